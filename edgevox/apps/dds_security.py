@@ -1,4 +1,7 @@
-"""DDS security (SROS 2) for a program of ours, if it is asked for: enforced, or nothing starts."""
+"""DDS security (SROS 2) for EdgeVox's programs, if the environment asks for it.
+
+It is enforced, or the program does not start.
+"""
 
 import os
 from collections.abc import Callable, Mapping
@@ -21,11 +24,11 @@ ENFORCE = "Enforce"
 PROBE, PROBE_S = "edgevox.ros2.doctor.middleware_build:middleware_build", 60.0
 PARTICIPANT_PROBE = "edgevox.ros2.doctor.participant_probe:participant_probe"
 UNSEEN = {"ROS_AUTOMATIC_DISCOVERY_RANGE": "OFF", "ROS_DISCOVERY_SERVER": ""}
-"""So that a participant that is made to see whether it can be is noticed by nobody."""
+"""Settings that hide a participant, which is only created as a test."""
 NAMES = {"edgevox": NODE_NAME, "edgevox-agent": NODE_NAME, "edgevox-recorder": RECORDER_NODE}
-"""How the enclave of a program is called, within the robot's namespace."""
+"""The name of each program's enclave, within the robot's namespace."""
 TOOLS = "tools"
-"""That of all others: `ros2`, and what people try."""
+"""The enclave of all other programs: `ros2`, and people's experiments."""
 NO_SECURITY = "a middleware with DDS security, as in the official image ros:jazzy-ros-base"
 
 NOT_TAKEN = (
@@ -35,27 +38,27 @@ NOT_TAKEN = (
 
 @dataclass(frozen=True, slots=True)
 class Asked:
-    """What somebody asked for: a keystore, and who to be in it."""
+    """The wanted security: a keystore, and the enclave to be in it."""
 
     keystore: Path
     enclave: str
 
     @property
     def folder(self) -> Path:
-        """Where the enclave's files are."""
+        """The folder of the enclave's files."""
         return self.keystore / "enclaves" / self.enclave.lstrip("/")
 
     @property
     def variables(self) -> dict[str, str]:
-        """What ROS 2 reads."""
+        """The variables that ROS 2 reads."""
         given = {ENABLE: "true", STRATEGY: ENFORCE, ROS_KEYSTORE: str(self.keystore)}
         return {**given, OVERRIDE: self.enclave}
 
 
 def asked_security(environment: Mapping[str, str], program: str) -> Asked | None:
-    """What is asked for, for a program by its name; nothing if nobody asks for security.
+    """Return the security that a program is asked for, by its name; None without any.
 
-    Raises `InvalidValue` for what would be less than enforced, or asked for by halves.
+    Raises `InvalidValue` for a request that is incomplete, or for less than enforcement.
     """
     strategy = environment.get(STRATEGY, "")
     if strategy not in ("", ENFORCE):

@@ -1,4 +1,4 @@
-"""An enclave's files: whether all are there, whose key it is, and when its certificates end."""
+"""An enclave's files: whether they are complete, whose key it is, and when its certificates end."""
 
 import os
 import re
@@ -16,7 +16,7 @@ from edgevox.security.documents import LAST_DOMAIN
 CERTIFICATES = ("cert.pem", "identity_ca.cert.pem", "permissions_ca.cert.pem")
 KEY, PERMISSIONS, GOVERNANCE = "key.pem", "permissions.p7s", "governance.p7s"
 NEEDED = (*CERTIFICATES, KEY, PERMISSIONS, GOVERNANCE)
-"""What a participant reads, by the names that sros2 gave them."""
+"""The files that a participant reads, by sros2's names."""
 SOON = timedelta(days=30)
 _UTC_TIME, _GENERALIZED_TIME, _VERSION = 0x17, 0x18, 0xA0
 _GRANTED = re.compile(r"<not_(?:before|after)>\s*(\S+?)\s*</not_(before|after)>")
@@ -30,16 +30,19 @@ _LETS_IN = re.compile(
     r"|<(enable_join_access_control)>\s*(?:false|0)\b",
     re.IGNORECASE,
 )
-"""What a governance may say that makes Enforce a word: strangers are let in on a domain."""
+"""Rules of a governance file that undo Enforce: they admit strangers to a domain."""
 
 
 @dataclass(frozen=True, slots=True)
 class EnclaveState:
-    """What is wrong, what will be, and when the first of its files ends, if that can be read."""
+    """The state of an enclave's files."""
 
     wrong: tuple[str, ...]
+    """The faults."""
     warnings: tuple[str, ...]
+    """The faults to come."""
     ends: datetime | None = None
+    """The first end of a file's validity, if it can be read."""
 
 
 def enclaves_of(keystore: Path) -> list[str]:
@@ -54,9 +57,9 @@ def enclaves_of(keystore: Path) -> list[str]:
 
 
 def read_enclave(folder: Path, now: datetime, domain: int) -> EnclaveState:
-    """How an enclave's files are; what is missing, over or not for this domain is wrong.
+    """Read an enclave's state; a missing, expired or foreign-domain file is a fault.
 
-    Who may do nothing on a domain would start there all the same, and be deaf.
+    A participant without rights on a domain would start there all the same, and be deaf.
     """
     wrong = [said for name in NEEDED if (said := _unreadable(folder / name))]
     if wrong:
@@ -85,7 +88,7 @@ def read_enclave(folder: Path, now: datetime, domain: int) -> EnclaveState:
 
 
 def certificate_period(pem: str) -> tuple[datetime, datetime]:
-    """From when and until when a certificate (X.509, PEM) is good. Raises `ValueError`."""
+    """Return the begin and end of a certificate (X.509, PEM). Raises `ValueError`."""
     try:
         (_, certificate), *_ = _elements(ssl.PEM_cert_to_DER_cert(pem.strip()))
         (_, signed), *_ = _elements(certificate)
@@ -116,7 +119,7 @@ def _period_of(file: Path) -> tuple[datetime, datetime]:
 
 
 def _granted_period(text: str) -> tuple[datetime, datetime] | None:
-    """When all grants of a permissions file hold, if its XML stands there in the clear."""
+    """Return the time in which all grants of a permissions file hold, if its XML is readable."""
     at = {"before": list[datetime](), "after": list[datetime]()}
     for written, which in _GRANTED.findall(text):
         with suppress(ValueError):
@@ -126,7 +129,7 @@ def _granted_period(text: str) -> tuple[datetime, datetime] | None:
 
 
 def _domains(text: str) -> list[range]:
-    """On which something is allowed, if the XML stands there in the clear."""
+    """Return the domains on which something is allowed, if the XML is readable."""
     found = [one for rule in _ALLOWED.findall(text) for one in _DOMAINS.findall(rule)]
     return [
         range(int(one or least or 0), int(one or most or LAST_DOMAIN) + 1)

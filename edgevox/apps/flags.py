@@ -47,9 +47,9 @@ def _add(parser: argparse.ArgumentParser, name: str, info: FieldInfo) -> None:
 
 
 class _ByEitherName(argparse.Action):
-    """Takes a value by the setting's flag or by its old one; two values by two names are refused.
+    """Takes a value by the setting's flag or its old name; two different values are refused.
 
-    The name by which it came is kept in the result, since a parser may be used twice.
+    The name is kept in the result, since a parser may be used twice.
     """
 
     def __call__(

@@ -1,4 +1,4 @@
-"""Where EdgeVox writes on this machine."""
+"""The folders that EdgeVox writes to on this machine."""
 
 import os
 import tempfile
@@ -12,7 +12,10 @@ from edgevox.models.store import default_root
 def written_folders(
     settings: Settings, environment: Mapping[str, str] = os.environ
 ) -> tuple[Path, ...]:
-    """Where EdgeVox may write: models, ROS 2's logs, what is temporary, places, and sound."""
+    """Return the folders that may be written.
+
+    Models, ROS 2's logs, temporary files, places, sound.
+    """
     out = settings.audio_out
     sound = [Path(out).absolute().parent] if out.lower().endswith(".wav") else []
     temporary = Path(tempfile.gettempdir())
@@ -48,7 +51,7 @@ def _state(environment: Mapping[str, str]) -> Path:
 
 
 def ros_logs(environment: Mapping[str, str] = os.environ) -> Path:
-    """Where ROS 2 logs."""
+    """Return the folder of ROS 2's logs."""
     home = Path(environment.get("HOME") or "~").expanduser()
     ros_home = Path(environment.get("ROS_HOME") or home / ".ros")
     return Path(environment.get("ROS_LOG_DIR") or ros_home / "log")

@@ -22,9 +22,9 @@ LOOPBACK = {4: "127.0.0.1", 6: "::1"}
 TIMEOUT_S = 3.0
 DRAIN = "/drain"
 LOOK_S = 0.2
-"""How often a drain is looked at."""
+"""Seconds between two looks at a drain."""
 MARGIN_S = 2.0
-"""So much longer than it says is a drain waited for."""
+"""Seconds to wait for a drain beyond its own estimate."""
 
 
 @with_streams("edgevox-health")
@@ -113,7 +113,7 @@ def _ask(host: str, port: int, path: str, method: str = "GET") -> tuple[int, str
 
 
 def _readable(text: str) -> str:
-    """One line: the status, and what each check found."""
+    """Return one line: the status, and the result of each check."""
     try:
         report = json.loads(text)
         checks = ", ".join(f"{k} {v}" for k, v in report.get("checks", {}).items())

@@ -55,8 +55,8 @@ def listen(
 ) -> None:
     """Listen as the agent does, with its listener, until the source is over.
 
-    A file is heard at the pace of speech where somebody looks on, else as fast as it goes.
-    Raises `EdgeVoxError` for what cannot be opened.
+    A file is heard at the pace of speech if the display is `live`, else as fast as possible. Raises
+    `EdgeVoxError` for a part that cannot be opened.
     """
     from edgevox.apps.agent.voice import open_hearing, open_stop_detector, open_wakeword
     from edgevox.apps.listen_view import ListenView

@@ -1,4 +1,4 @@
-"""What `edgevox listen` shows: one line that is drawn anew on a terminal, else a line a second."""
+"""The display of `edgevox listen`: one line that is redrawn on a terminal, else a line a second."""
 
 import threading
 from collections.abc import Callable, Mapping
@@ -18,17 +18,17 @@ _CLEAR = "\r\x1b[K"
 
 
 class Detector(Protocol):
-    """What listens for a word by its sound: a `StopDetector`, a `WakeDetector`."""
+    """A detector of a word by its sound: a `StopDetector`, a `WakeDetector`."""
 
     @property
     def likelihood(self) -> float:
-        """How likely it is that the word was just said, 0 to 1."""
+        """The likelihood that the word was just said, 0 to 1."""
 
 
 class ListenView:
-    """Writes readings as they come, and above them what was understood. Any thread may use it.
+    """Writes readings as they come, and above them the transcripts. For any thread.
 
-    `live` draws over the last reading. `detectors` stand in it by these names.
+    `live` redraws the last reading. `detectors` are shown by these names.
     """
 
     def __init__(

@@ -1,4 +1,4 @@
-"""Serves an agent's metrics. Where they are off, nothing of them is even imported."""
+"""The server of an agent's metrics. Without metrics, none of their modules is imported."""
 
 from collections.abc import Iterable, Mapping
 from contextlib import ExitStack
@@ -60,7 +60,7 @@ def serve_recorders_metrics(
 
 
 def read_parts(parts: AgentParts) -> None:
-    """From now on read, too, what no component says: what runs, a control, sizes of files."""
+    """Add metrics that no component reports: running parts, a control, sizes of files."""
     metrics = parts.metrics
     if metrics is None:
         return
@@ -71,7 +71,7 @@ def read_parts(parts: AgentParts) -> None:
 
 
 def read_bridge(parts: AgentParts, bridge: Bridge) -> None:
-    """From now on read, too, which messages the bridge refused, by topic and reason."""
+    """Add the numbers of messages that the bridge refused, by topic and reason."""
     if parts.metrics is not None:
         parts.metrics.read("edgevox_refused_messages_total", lambda: bridge.refusals)
 
@@ -102,6 +102,6 @@ def _weights(parts: AgentParts) -> Mapping[str, float]:
 
 @cache
 def _size_bytes(path: Path) -> int:
-    """Of a file, or of all in a folder. Weights do not change while they are loaded."""
+    """Return the size of a file or folder. Weights do not change while they are loaded."""
     files = path.rglob("*") if path.is_dir() else (path,)
     return sum(file.stat().st_size for file in files if file.is_file())

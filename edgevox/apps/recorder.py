@@ -1,6 +1,6 @@
 """`edgevox-recorder`: records a robot's topics, and judges a scenario on a robot that runs.
 
-What `edgevox-recorder` was asked on its command line, as one value.
+`RecorderArguments` is its command line, as one value.
 """
 
 import argparse
@@ -46,7 +46,7 @@ SETTINGS = (
 
 @dataclass(frozen=True)
 class RecorderArguments:
-    """What to record, where to, and what to judge."""
+    """The parsed command line of `edgevox-recorder`."""
 
     settings: Settings
     output: Path
@@ -171,7 +171,10 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 
 def _prepare(argv: Sequence[str], lost: list[str]) -> Callable[[], bool]:
-    """What to run; it says whether the scenario went well, and in `lost` what was not recorded."""
+    """Return the function to run, which returns whether the scenario went well.
+
+    `lost` gets the losses.
+    """
     asked = parse_arguments(argv)
     set_up_logs("edgevox-recorder", asked.settings)
     for module, what in (("rclpy", "ROS 2 Jazzy"), ("mcap", install_extra("recorder"))):

@@ -1,4 +1,4 @@
-"""Where a `Robot` was found before it moved to `edgevox.robots.plugin`: older packages ask here."""
+"""The former home of `Robot`, now in `edgevox.robots.plugin`: kept for older packages."""
 
 from edgevox.robots.plugin import GROUP, INSTRUCTIONS, Build, Robot
 

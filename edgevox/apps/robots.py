@@ -1,4 +1,4 @@
-"""The robots that `edgevox-agent` knows by name, and who talks for them."""
+"""The robots that `edgevox-agent` knows by name, and the agents that talk for them."""
 
 from collections.abc import Sequence
 
@@ -24,7 +24,7 @@ ROBOTS = installed_robots()
 
 
 def learn_robots() -> None:
-    """Know the robots of packages that were found since, too."""
+    """Add the robots of packages that were found since."""
     ROBOTS.add(robot_points())
 
 
@@ -46,7 +46,7 @@ def open_places(body: Body, settings: Settings) -> None:
 
 
 def build_agents(body: Body | None, skills: Sequence[Skill] | None = None) -> Sequence[Agent]:
-    """Who talks: for a body one agent that has these skills, or its own, else one that has none.
+    """Return the agents: one with the body's skills or these, or, without a body, one with none.
 
     Raises `InvalidValue` for a skill, or a word of one, that people need for something else.
     """
@@ -59,5 +59,5 @@ def build_agents(body: Body | None, skills: Sequence[Skill] | None = None) -> Se
 
 
 def about(body: Body) -> str:
-    """What a body says of itself, beyond what its kind is; empty for most."""
+    """Return the body's own description; empty for most bodies."""
     return body.about if isinstance(body, TellsAbout) else ""

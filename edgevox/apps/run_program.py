@@ -1,4 +1,4 @@
-"""What all programs here have in common: how they log, how they end, and with which exit code."""
+"""The common frame of all programs: their logs, their end, and their exit codes."""
 
 from collections.abc import Callable
 

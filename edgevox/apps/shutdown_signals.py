@@ -1,4 +1,4 @@
-"""Turns SIGTERM and SIGHUP into an orderly end of the main thread, once the robot stands."""
+"""The signals SIGTERM and SIGHUP, turned into an orderly end, once the robot stands."""
 
 import logging
 import os
@@ -18,7 +18,7 @@ _SIGNALS = (signal.SIGTERM, signal.SIGHUP)
 STUCK = 70
 """EX_SOFTWARE of sysexits.h: asked to end, and something would not let go."""
 LAST_HALT_S = 0.5
-"""How long the body has to take its last halt, where all else hangs."""
+"""Seconds for the body's last halt, if everything else hangs."""
 
 
 class Terminated(BaseException):
@@ -26,14 +26,15 @@ class Terminated(BaseException):
 
 
 class ShutdownSignals:
-    """While entered, the first of these signals ends what the main thread does; more are ignored.
+    """While entered, the first of these signals ends the main thread's work; more are ignored.
 
-    With a `drain`, SIGTERM begins that and ends the program when it is over; a second signal
-    ends it at once. SIGHUP and Ctrl-C do not wait: whoever was there has gone, or is.
+    With a `drain`, SIGTERM begins it, and ends the program after it; a second signal ends the
+    program at once. SIGHUP and Ctrl-C do not wait: the person at the terminal has gone, or wants an
+    end now.
 
-    `gently`, if set, is asked to end it and says whether it will; else `Terminated` is raised,
-    which an event loop would not let through. Whatever hangs then, the process is gone after
-    `leave_s` (the setting), with the exit code `STUCK`, and the body was halted before.
+    `gently`, if set, is asked to end the work and returns whether it will; else `Terminated` is
+    raised, which an event loop would not let through. If something hangs then, the process ends
+    after `leave_s` (the setting), with the exit code `STUCK`, after a halt of the body.
     """
 
     def __init__(self, leave_s: float, drain: Drain | None = None) -> None:
@@ -104,7 +105,7 @@ class ShutdownSignals:
         os._exit(STUCK)
 
     def _halt(self) -> None:
-        """Nothing is left that would end what moves. The body may hang, too."""
+        """Halt the body, when nothing else would end its motion. The body may hang, too."""
         if self._drain:
             last = threading.Thread(target=self._drain.halt, name="edgevox-last-halt", daemon=True)
             last.start()

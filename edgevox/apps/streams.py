@@ -81,12 +81,12 @@ def _guarded(stream: TextIO | None, tell: Tell, *, waits: bool, by_line: bool = 
 
 
 def _nobody(mode: str) -> TextIO:
-    """In place of a stream that was closed: else the next file would get its number."""
+    """Open a substitute for a closed stream: else the next file would get its number."""
     return cast("TextIO", open(os.devnull, mode, encoding="utf-8"))
 
 
 def _encoding(stream: TextIO) -> str:
-    """Its own, unless that cannot say what people say."""
+    """Return its own encoding, unless that is ASCII, which cannot hold what people say."""
     return "utf-8" if codecs.lookup(stream.encoding).name == "ascii" else stream.encoding
 
 

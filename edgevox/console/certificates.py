@@ -27,7 +27,7 @@ AUTHORITY_DAYS = 3650
 DAYS = 390
 """Browsers take no certificate that lasts longer than 398."""
 RENEW_DAYS = 30
-"""One that ends this soon is made anew, at the start and while the console runs."""
+"""Days before its end when a certificate is renewed, at the start and while the console runs."""
 _BACK = timedelta(days=1)
 """Clocks of phones are behind that of a robot without a battery, or ahead."""
 _LOCAL = ("local", "localhost", "lan", "internal", "home.arpa")
@@ -87,7 +87,7 @@ def own_tls(
 
 
 def local_names(more: Sequence[str] = ()) -> tuple[str, ...]:
-    """What this machine is called here: its names, `more`, and the addresses it is reached by."""
+    """Return this machine's local names: host names, `more`, and its addresses."""
     host = socket.gethostname().split(".")[0].lower()
     hosts = (host, f"{host}.local") if _is_name(host) else ()
     found = ("localhost", *hosts, *more, "127.0.0.1", "::1", *_addresses())
@@ -251,7 +251,7 @@ def _fits(
     names: Sequence[str],
     now: datetime,
 ) -> bool:
-    """Whether the certificate that is there will do: this authority's, for these names, in time."""
+    """Return whether the certificate is this authority's, for these names, and in time."""
     known_as = leaf.extensions.get_extension_for_class(x509.SubjectAlternativeName).value
     try:
         leaf.verify_directly_issued_by(authority)

@@ -1,6 +1,7 @@
-"""The server of the console: a thread with a loop of its own, from `start` to `close`.
+"""The console's server: a thread with its own loop, from `start` to `close`.
 
-Whether the console still answers: its thread, its loop, and who lets connections in.
+`Liveness` tells whether it still answers: its thread, its loop, and the task that lets connections
+in.
 """
 
 import asyncio
@@ -45,7 +46,7 @@ class Liveness:
         self._beat_s: float | None = None
 
     def watch(self, door: Door, letting_in: "asyncio.Task[None]") -> None:
-        """From now on it is alive only while this task lets connections in by this door."""
+        """Watch this task from now on, which lets connections in by this door."""
         self._door, self._letting_in = door, letting_in
 
     async def beat(self) -> None:
@@ -55,7 +56,7 @@ class Liveness:
             await asyncio.sleep(BEAT_S)
 
     def why_not(self) -> str:
-        """Why nobody who comes now is answered; empty if they are."""
+        """Return the reason why new connections are not answered; empty if they are."""
         if ended := self._thread():
             return ended
         if self._letting_in and self._letting_in.done():
@@ -69,16 +70,22 @@ class Liveness:
 NAME = "console"
 MOST_KNOCKING = 128
 RENEW_LOOK_S = 60.0
-"""So often it looks whether its certificate ends soon, or is another. A robot without a battery
-wakes up in another year."""
+"""Seconds between checks whether its certificate ends soon, or was replaced. The clock of a robot
+without a battery may wake up in another year."""
 
 
 class ConsoleServer:
-    """Listens from its making on. Raises `InvalidValue` where it cannot.
+    """Listens from its construction on. Raises `InvalidValue` if it cannot.
 
-    `folder` keeps who was let in; the first of `names`, with commas between, is in its address
-    where it listens everywhere. `state` knows which of its files were damaged. Without `tls` it
-    speaks plain HTTP; whoever makes it has decided that this may be.
+    Args:
+        context: The robot as the console may use it.
+        folder: Holds the sessions.
+        host: The address to listen on.
+        port: 0 lets the machine choose.
+        tls: None speaks plain HTTP; the caller has decided that this is acceptable.
+        names: Names of the host, with commas; the first one is in the URL if it listens everywhere.
+        clock: The time; the system's by default.
+        state: Knows which of its files were damaged.
     """
 
     def __init__(
@@ -115,12 +122,12 @@ class ConsoleServer:
 
     @property
     def port(self) -> int:
-        """Where it listens: the machine's choice if it was made with 0."""
+        """The port that it listens on: the machine's choice if it was made with 0."""
         return int(self._socket.getsockname()[1])
 
     @property
     def url(self) -> str:
-        """Where its page is, for a browser on this machine or one that knows the host by name."""
+        """The page's URL, for a browser on this machine or one that knows the host by name."""
         return console_url(self._host, self.port, self._tls is not None, self._names)
 
     def offer_code(self, role: Role = Role.OPERATOR) -> tuple[Code, str]:
@@ -151,16 +158,16 @@ class ConsoleServer:
 
     @property
     def name(self) -> str:
-        """As a component is called."""
+        """The name of the component."""
         return NAME
 
     @property
     def checks(self) -> tuple[HealthCheck, ...]:
-        """Where nobody is answered any more; that is no reason to start the robot again."""
+        """Its health check. A console that answers no longer is no reason to restart the robot."""
         return (HealthCheck(NAME, self._liveness.why_not, vital=False),)
 
     def status(self) -> Status:
-        """How many pages and connections there are, and where."""
+        """Return the numbers of pages and connections, and the address."""
         dead, worse = self._liveness.why_not(), (self._codeless, self._state.fault)
         return Status.judged(
             NAME,

@@ -1,4 +1,4 @@
-"""What the console is given: the robot as it may be seen, steered, heard and stopped."""
+"""The console's view of the robot: how pages may see, steer, hear and stop it."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -21,10 +21,13 @@ class ConsoleRobot(Protocol):
     """A body as the page sees and steers it."""
 
     def scene(self) -> Mapping[str, Any]:
-        """What does not move, JSON-ready; another ``version`` whenever it is another."""
+        """Return the fixed parts, JSON-ready, with a new ``version`` for every change."""
 
     def live(self) -> Mapping[str, Any]:
-        """What moves, JSON-ready. On a worker thread, 15 times a second while somebody looks."""
+        """Return the moving parts, JSON-ready.
+
+        Called on a worker thread, 15 times a second while pages look.
+        """
 
     def picture(self) -> bytes | None:
         """A JPEG of camera or view, None if there is none now. May take long: a worker thread."""
@@ -37,7 +40,7 @@ class ConsoleRobot(Protocol):
         """
 
     def let_go(self) -> None:
-        """Whoever drove has let go of the stick: what comes next begins anew."""
+        """Note that the driver has let go of the stick: the next velocity starts a new stream."""
 
     def halt(self) -> None:
         """End what `drive` began, with one zero. Never waits, never is forbidden."""
@@ -59,7 +62,7 @@ class ConsoleSound(Protocol):
         """A client is gone: what it was saying does not count."""
 
     def push(self, client: str, samples: NDArray[np.int16]) -> None:
-        """One frame of 20 ms from the client who speaks."""
+        """Take a frame of 20 ms from the client who speaks."""
 
     def listen(
         self, callback: Callable[[int, bytes], None], on_flush: Callable[[], None]
@@ -87,7 +90,7 @@ class ConsoleRecorder(Protocol):
         """End it. Raises `EdgeVoxError`."""
 
     def files(self) -> Sequence[Path]:
-        """What may be downloaded, each by its file's name."""
+        """Return the files that may be downloaded, by file name."""
 
     def delete(self, name: str) -> None:
         """Remove the recording with a file of this name. Raises `EdgeVoxError`."""
@@ -95,31 +98,33 @@ class ConsoleRecorder(Protocol):
 
 @dataclass(frozen=True)
 class ConsoleContext:
-    """The robot, as much of it as the console needs.
-
-    `submit` raises `InvalidValue`. `answer` gives a yes or a no to what was asked. `go_to` and
-    `name_place` make the command for a point of the map frame, in metres; None where the robot
-    cannot. `describe` gives by language what a page is told once, `status` what it is told once a
-    second while somebody looks. `follow_log` calls with each line of the log that belongs to a turn
-    and may be told, on any thread, and returns what ends that. `stops` says of a command whether it
-    stops the robot. `explain` says in a language why
-    something was not done, of a `Reason` or of what was raised; empty where it has no sentence.
-    """
+    """The robot, as much of it as the console needs."""
 
     name: str
     bus: Bus
     interlock: Interlock
     submit: Submit
+    """Sends a command; raises `InvalidValue`."""
     controls: Controls
     safety: SoftwareStop
     describe: Callable[[str], Mapping[str, Any]]
+    """Returns, by language, the message that a page gets once."""
     status: Callable[[], Mapping[str, Any]]
+    """Returns the message that a page gets once a second while it looks."""
     robot: ConsoleRobot | None = None
     sound: ConsoleSound | None = None
     recorder: ConsoleRecorder | None = None
     answer: Callable[[bool, Way, int], None] | None = None
+    """Answers a question of the robot with yes or no."""
     go_to: Callable[[float, float], Command] | None = None
+    """Makes the command for a point of the map frame, in metres; None if the robot cannot."""
     name_place: Callable[[str, float, float], Command] | None = None
+    """Makes the command that names a point of the map frame, in metres; None if the robot
+    cannot."""
     explain: Callable[[Reason | Exception, str], str] = lambda _why, _language: ""
+    """Returns the reason of a failure in a language; empty without a sentence for it."""
     stops: Callable[[Command], bool] = lambda _command: False
+    """Whether a command stops the robot."""
     follow_log: Callable[[Callable[[Mapping[str, Any]], None]], Callable[[], object]] | None = None
+    """Calls its argument with each line of the log that belongs to a turn and may be shown, on
+    any thread; returns a function that ends that."""

@@ -1,7 +1,7 @@
-"""The door: how many connections there may be, before a handshake or a request is waited for.
+"""The door: limits the number of connections, before any handshake or request.
 
-Whoever holds many, or none of whose requests shows a session, makes room for the others: a browser
-that comes new always gets in, and no crowd of strangers shuts out who was let in.
+A client with many connections, or with connections that show no session, makes room for the others:
+a new browser always gets in, and no crowd of strangers shuts out a paired browser.
 """
 
 import asyncio
@@ -22,23 +22,23 @@ MOST = 64
 MOST_OF_SESSION = 16
 """Connections of one session; of more, its oldest is ended. A page holds three."""
 FEW = 3
-"""Whoever holds no more than this never makes room for others: a page needs them."""
+"""Clients with at most this many connections never make room for others: a page needs them."""
 MOST_UNKNOWN = 24
 """Connections of one address, of those that have shown no session: some browsers' at once."""
 UNKNOWN_S = 30.0
 """A connection that has shown no session by then is ended."""
 HANDSHAKE_S = 5.0
 FULL_S = 0.5
-"""After the process had no more files to open, somebody is let in again."""
+"""Seconds after which connections are let in again, once the process had no more files to open."""
 SEND_BYTES = 64 * 1024
-"""What the system holds of what is sent: more would only be late."""
+"""Bytes that the system buffers of what is sent: more would only be late."""
 
 
 @dataclass(eq=False)
 class _Guest:
     address: str
     session: str = ""
-    """Whose it is; empty while no request has shown that."""
+    """The connection's session; empty until a request has shown it."""
     transport: asyncio.BaseTransport | None = None
     task: "asyncio.Task[None] | None" = field(default=None, repr=False)
 
@@ -76,7 +76,7 @@ class Door:
         self._tls = tls
         self._guests: dict[asyncio.BaseProtocol | None, _Guest] = {}
         self.shut = ""
-        """Why nobody could be let in just now; empty while they can."""
+        """The reason why the last connection could not be let in; empty while they can."""
 
     def __len__(self) -> int:
         self._forget()
@@ -149,7 +149,10 @@ class Door:
             raise
 
     def _make_room(self, address: str) -> bool:
-        """Whether one more of this address fits; an older one of whoever holds most is ended."""
+        """Return whether one more connection of this address fits; it may end an older one.
+
+        The older one has no session yet, or is one of the session that holds the most.
+        """
         self._forget()
         unknown = [one for one, guest in self._guests.items() if not guest.session]
         same = [one for one in unknown if self._guests[one].address == address]

@@ -1,7 +1,4 @@
-"""Driving by a stick: it goes on only while somebody says so again and again.
-
-Belongs to the loop's thread.
-"""
+"""Driving by a stick: it goes on only while a page repeats its command."""
 
 import asyncio
 from collections.abc import Callable
@@ -13,11 +10,11 @@ from edgevox.core.log import get_logger
 log = get_logger(__name__)
 
 HEARTBEAT_S = 0.3
-"""So long after the last word the robot is halted."""
+"""The robot is halted after this many seconds without a command."""
 
 
 class Driving:
-    """Who drives now, a page; halts when it lets go, falls silent, or is gone."""
+    """The page that drives; the robot halts when the page lets go, falls silent, or is gone."""
 
     def __init__(
         self, robot: ConsoleRobot, later: Callable[[float, Callable[[], None]], asyncio.TimerHandle]
@@ -30,11 +27,11 @@ class Driving:
 
     @property
     def is_on(self) -> bool:
-        """Whether something drives."""
+        """Whether a page drives."""
         return self._page is not None
 
     def is_free_for(self, page: object) -> bool:
-        """Whether no other page drives now."""
+        """Return whether no other page drives now."""
         return self._page in (None, page)
 
     def steer(self, page: object, linear_m_s: float, angular_rad_s: float, mark: int) -> None:
@@ -72,7 +69,7 @@ class Driving:
             log.exception("console_halt_failed")
 
     def forget(self) -> None:
-        """Somebody else has halted it."""
+        """Forget the driver: another part has halted the robot."""
         self._page = None
         self._cancel()
 

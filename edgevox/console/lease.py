@@ -5,22 +5,24 @@ from dataclasses import dataclass, field
 from edgevox.core.clock import Clock
 
 IDLE_S = 60.0
-"""Whoever commands nothing for so long loses it to whoever waits."""
+"""A holder that commands nothing for this long loses the lease to a client that waits."""
 GONE_S = 10.0
-"""Whoever is away for so long loses it: a page that is loaded again is not away."""
+"""A holder that is away for this long loses the lease; a page that reloads is not away."""
 
 
 @dataclass(frozen=True, slots=True)
 class LeaseState:
-    """Who holds it, and who asked for it, the first first; clients' ids."""
+    """The lease, in clients' ids."""
 
     holder: str | None = None
+    """The client that commands."""
     waiting: tuple[str, ...] = ()
+    """The clients that asked for it, the first one first."""
 
 
 @dataclass
 class Lease:
-    """Belongs to one thread. Clients are operators; whoever calls has made sure of that."""
+    """The lease, for one thread. Clients are operators, which the caller has checked."""
 
     clock: Clock
     state: LeaseState = field(default_factory=LeaseState)
@@ -28,7 +30,7 @@ class Lease:
     _left_s: float | None = None
 
     def take(self, client: str) -> bool:
-        """Take it where nobody holds it; whether it is this client's now."""
+        """Take it if it is free; return whether this client holds it now."""
         if self.state.holder is None:
             self._hand_to(client)
         return self.state.holder == client
@@ -39,7 +41,10 @@ class Lease:
             self.state = LeaseState(self.state.holder, (*self.state.waiting, client))
 
     def give(self, client: str, to: str | None = None) -> bool:
-        """The holder gives it to one who waits, else to the first; whether it could."""
+        """Let the holder give it to a waiting client, by default the first.
+
+        Return whether that worked.
+        """
         if self.state.holder != client or (to is not None and to not in self.state.waiting):
             return False
         self._hand_to(to or self._first())
@@ -69,7 +74,7 @@ class Lease:
             self._hand_to(self._first())
 
     def tick(self) -> None:
-        """Take it back from who is away, or who holds it idly while another waits."""
+        """Take it back from an absent holder, or from an idle one while another client waits."""
         now, waiting = self.clock.now(), self.state.waiting
         away = self._left_s is not None and now - self._left_s >= GONE_S
         idle = bool(waiting) and now - self._used_s >= IDLE_S

@@ -1,10 +1,4 @@
-"""Requests that make no sense are counted by their kind, and leave a line without their contents.
-
-What a stranger sends may be a flood, may hold the cookie of somebody who is let in, and is no news
-of the robot: no traceback and nothing of it stands in the log.
-
-How often somebody may do something: a bucket of tokens that fills at a steady rate.
-"""
+"""Limits and counts of bad requests; a count leaves a line without the request's contents."""
 
 import asyncio
 import logging
@@ -26,7 +20,7 @@ log = get_logger(__name__)
 
 
 MOST_KEYS = 1024
-"""So many are remembered, those seen last."""
+"""The most keys that are remembered, those seen last."""
 
 
 class PageRateLimit:
@@ -39,7 +33,7 @@ class PageRateLimit:
         self._left: OrderedDict[str, tuple[float, float]] = OrderedDict()
 
     def allows(self, key: str) -> bool:
-        """Whether this one is within the limit; it counts."""
+        """Count this request, and return whether it is within the limit."""
         now = self._clock.now()
         left, at = self._left.pop(key, (float(self._burst), now))
         left = min(self._burst, left + (now - at) * self._per_s)
@@ -51,28 +45,28 @@ class PageRateLimit:
 
 
 class BadRequest(StrEnum):
-    """What was wrong with a request."""
+    """The kinds of bad requests."""
 
     HTTP = "http"
-    """It is no HTTP, or has too much of it."""
+    """No HTTP, or too much of it."""
     TLS = "tls"
-    """It does not encrypt as it should."""
+    """A failed encryption."""
     CONNECTION = "connection"
-    """It broke off."""
+    """A connection that broke off."""
     COOKIE = "cookie"
-    """It shows a session that there is not."""
+    """A session that does not exist."""
     ORIGIN = "origin"
     """Another site's page asks."""
     CODE = "code"
-    """It tells a pairing code that is none."""
+    """A wrong pairing code."""
     MESSAGE = "message"
-    """What came on a socket is no message."""
+    """Data on a socket that is no message."""
     CROWD = "crowd"
-    """There were too many connections, and an older one was ended."""
+    """Too many connections, so that an older one was ended."""
 
 
 UNREADABLE = (HttpProcessingError, ClientPayloadError, RequestPayloadError, UnicodeError)
-"""What a request raises by what is in it."""
+"""The errors that an unreadable request raises."""
 
 
 class BadRequests:
@@ -84,17 +78,17 @@ class BadRequests:
 
     @property
     def counts(self) -> Mapping[str, int]:
-        """How many there were, by kind."""
+        """The numbers of bad requests, by kind."""
         with self._lock:
             return {str(kind): count for kind, count in self._counts.items()}
 
     @property
     def total(self) -> int:
-        """How many there were."""
+        """The number of bad requests."""
         return sum(self.counts.values())
 
     def count(self, kind: BadRequest) -> None:
-        """One more; the 1st, 2nd, 4th, 8th, ... of a kind leaves a line."""
+        """Count one request; the 1st, 2nd, 4th, 8th, ... of a kind leaves a line."""
         with self._lock:
             self._counts[kind] += 1
             count = self._counts[kind]
@@ -111,14 +105,14 @@ class BadRequests:
 
 
 class ServerLog(logging.Logger):
-    """In place of aiohttp's logger, which writes what a request held, and a traceback of it."""
+    """A substitute for aiohttp's logger, which would write a request's content, and a traceback."""
 
     def __init__(self, bad: BadRequests) -> None:
         super().__init__("aiohttp.server")
         self._bad = bad
 
     def debug(self, *_: Any, **told: Any) -> None:
-        """What is no HTTP at all; else nothing: that connections end is no news."""
+        """Count a request that is no HTTP; ignore the rest, since ended connections are no news."""
         if isinstance(told.get("exc_info"), HttpProcessingError):
             self._bad.count(BadRequest.HTTP)
 

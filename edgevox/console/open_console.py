@@ -1,4 +1,4 @@
-"""The console as the settings want it: where it listens, and how it is encrypted."""
+"""The console that the settings want: its address and its encryption."""
 
 from ipaddress import ip_address
 from pathlib import Path
@@ -24,7 +24,7 @@ def open_console(context: ConsoleContext, settings: Settings, folder: Path) -> C
 
 
 def tls_of(settings: Settings, folder: Path, state: StateFiles | None = None) -> Tls | None:
-    """How it is encrypted; None for plain HTTP. Raises `InvalidValue`, and `OSError`."""
+    """Return the encryption; None for plain HTTP. Raises `InvalidValue`, and `OSError`."""
     if settings.console_tls == "own":
         return own_tls(folder, names_of(settings), state=state, spare=found_names(settings))
     if settings.console_tls == "files":
@@ -44,12 +44,12 @@ def tls_of(settings: Settings, folder: Path, state: StateFiles | None = None) ->
 
 
 def names_of(settings: Settings) -> tuple[str, ...]:
-    """What the own certificate says the console is called."""
+    """Return the console's names for its own certificate."""
     return local_names(_asked(settings))
 
 
 def found_names(settings: Settings) -> frozenset[str]:
-    """Those of them that this machine has by itself now, and nobody asked for."""
+    """Return the names that this machine has by itself now, without the wanted ones."""
     return frozenset(local_names()) - set(_asked(settings))
 
 
@@ -59,7 +59,7 @@ def _asked(settings: Settings) -> list[str]:
 
 
 def is_loopback(host: str) -> bool:
-    """Whether only this machine reaches it there."""
+    """Return whether only this machine reaches this host."""
     try:
         return ip_address(host).is_loopback
     except ValueError:

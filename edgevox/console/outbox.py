@@ -1,7 +1,7 @@
-"""What is still to be sent to one page: of some things only the newest, of others all, or nothing.
+"""The outbox of a page: messages to send, replaced by newer ones where only the newest counts.
 
-A slow page gets fewer states, never late ones, and never delays another. One that does not even
-take what must not be left out is hung up on.
+A slow page gets fewer states, never late ones, and never delays another page. A page that does not
+even take the messages that must not be left out is disconnected.
 """
 
 import asyncio
@@ -10,7 +10,7 @@ from collections.abc import Callable
 from typing import Protocol
 
 MOST_WAITING = 256
-"""Of messages that must not be left out."""
+"""The most messages that must not be left out."""
 SEND_S = 10.0
 """Longest that one message may take to leave."""
 

@@ -1,6 +1,6 @@
-"""What all pages share: who is there, who commands, who drives, and what everybody is told.
+"""The pages' common state: the pages, the lease, the driver, and messages for all.
 
-Belongs to the loop's thread, but for `tell_soon` and what hears the bus.
+It belongs to the loop's thread, except for `tell_soon` and the handlers of the bus.
 """
 
 import asyncio
@@ -29,13 +29,13 @@ log = get_logger(__name__)
 GONE = 4401
 """Close code: this session is no longer let in."""
 SLOW = 4408
-"""Close code: this page does not take what it must not miss."""
+"""Close code: the page is too slow for messages that it must not miss."""
 FLOOD = 4429
 """Close code: this page says far too much."""
 
 
 class OpenPage(Protocol):
-    """One open page, as the hub sees it."""
+    """A page as the hub sees it."""
 
     session: Session
     outbox: Outbox
@@ -46,7 +46,7 @@ class OpenPage(Protocol):
         """Close its socket."""
 
     def stopped(self, mark: int) -> None:
-        """Everything was stopped, or allowed again: the interlock is at `mark`."""
+        """React to a stop, or its release: the interlock is at `mark`."""
 
 
 class PageHub:
@@ -82,7 +82,7 @@ class PageHub:
             self._forget.append(self.context.recorder.listen(self._records))
 
     def close(self) -> None:
-        """Hear nothing any more; what is driven is halted."""
+        """Stop listening to the bus; halt the driven robot."""
         for forget in self._forget:
             forget()
         if self.driving:
@@ -100,7 +100,7 @@ class PageHub:
         self.lease.came(page.session.id)
 
     def leave(self, page: OpenPage) -> None:
-        """A page is gone; what it drove is halted."""
+        """Forget a page; halt the robot if the page drove."""
         if self.driving:
             self.driving.release(page)
         self.pages.remove(page)
@@ -109,7 +109,10 @@ class PageHub:
         self.tell_lease()
 
     def tick(self) -> None:
-        """Once a second: who was revoked is hung up on, who is away loses the lease."""
+        """Once a second.
+
+        Disconnect revoked sessions, and take the lease back from absent holders.
+        """
         for page in list(self.pages):
             if not self.sessions.is_there(page.session):
                 self.dismiss(page)
@@ -153,7 +156,7 @@ class PageHub:
         self._soon(lambda: self.tell(message, newest))
 
     def tell_lease(self) -> None:
-        """Say who commands where that is another now; what the one before drove is halted."""
+        """Tell a change of the lease; halt the robot if its former holder drove."""
         state = self.lease.state
         if state == self._told_lease:
             return
@@ -177,7 +180,7 @@ class PageHub:
 
     @property
     def commander(self) -> str:
-        """The name of who commands; empty if nobody does."""
+        """The name of the lease's holder; empty without one."""
         return self._name(self.lease.state.holder)
 
     def stop_of(self) -> dict[str, Any]:
@@ -222,7 +225,10 @@ class PageHub:
             self._soon(lambda: self._tell_line(line))
 
     def _tell_line(self, line: Mapping[str, Any]) -> None:
-        """To those who look; a slow page does without, as it must not be hung up on for a log."""
+        """Send a line to the pages that show the log.
+
+        A slow page misses it, and stays connected.
+        """
         if text := encode({"type": "log", **line}):
             for page in self.pages:
                 if "log" in page.looks:
@@ -232,11 +238,11 @@ class PageHub:
         self._soon(lambda: self.tell({"type": "controls", **self.controls_of()}, "controls"))
 
     def _records(self, running: bool) -> None:
-        """Everybody is told, whatever they look at: what they say is kept."""
+        """Tell all pages, whatever they show: their words are recorded."""
         self.tell_soon({"type": "recording", "running": running}, "recording")
 
     def _stopped(self, mark: int) -> None:
-        """On any thread; a page that has just asked for this is told at once."""
+        """React to a stop on any thread; a page that has just asked for it is told at once."""
         if threading.get_ident() == self._thread:
             self._mark_pages(mark)
         else:
@@ -263,7 +269,7 @@ def stop_json(state: StopState) -> dict[str, Any]:
 
 
 def encode(message: Mapping[str, Any]) -> str | None:
-    """As JSON that a browser reads; None, and a line in the log, for what cannot be."""
+    """Write JSON that a browser can read; None, with a line in the log, if that is impossible."""
     try:
         return json.dumps(message, allow_nan=False, separators=(",", ":"))
     except (TypeError, ValueError) as error:

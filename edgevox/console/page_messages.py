@@ -1,4 +1,4 @@
-"""What a page may say on the socket `/ws`, each with its bounds. Whatever else comes is refused."""
+"""The messages of a page on the socket `/ws`, with their bounds. All others are refused."""
 
 from typing import Annotated, Any, ClassVar, Literal
 
@@ -9,7 +9,7 @@ from edgevox.core.files.validation import dotted, explain
 
 PROTOCOL = 1
 MOST_BYTES = 64 * 1024
-"""Of one message, either way to `/ws`."""
+"""The most bytes of one message, either way on `/ws`."""
 
 Needs = Literal["session", "operator", "lease"]
 _Name = Annotated[str, Field(min_length=1, max_length=200)]
@@ -17,7 +17,7 @@ _Metres = Annotated[float, Field(ge=-1e6, le=1e6, allow_inf_nan=False)]
 
 
 class PageMessage(BaseModel):
-    """One message; the answer names its `id`. `needs` is what whoever sends it must have."""
+    """A message of a page; the answer names its `id`. `needs` is the sender's required right."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, strict=True)
     needs: ClassVar[Needs] = "lease"
@@ -40,7 +40,7 @@ class YesOrNo(PageMessage):
 
 
 class CallSkill(PageMessage):
-    """One skill, with its arguments by name."""
+    """A call of a skill, with its arguments by name."""
 
     type: Literal["skill"]
     name: _Name
@@ -94,7 +94,7 @@ class Resume(PageMessage):
 
 
 class ChangeLease(PageMessage):
-    """Who commands: take it where it is free, give it away, ask for it."""
+    """A change of the lease: take it if it is free, give it away, or ask for it."""
 
     needs: ClassVar[Needs] = "operator"
     type: Literal["lease"]
@@ -119,7 +119,7 @@ class Ping(PageMessage):
 
 
 class Look(PageMessage):
-    """What this page shows now; nothing else is sent to it."""
+    """The parts of the robot that the page shows now; it gets no others."""
 
     needs: ClassVar[Needs] = "session"
     type: Literal["look"]
@@ -160,7 +160,7 @@ _ADAPTER: TypeAdapter[Message] = TypeAdapter(Annotated[Message, Field(discrimina
 
 
 def read(text: str) -> Message:
-    """One message of a page. Raises `InvalidValue`, naming the field that is wrong."""
+    """Read a page's message. Raises `InvalidValue`, naming the field that is wrong."""
     try:
         return _ADAPTER.validate_json(text)
     except ValidationError as error:

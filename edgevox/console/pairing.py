@@ -18,23 +18,25 @@ from edgevox.core.files.state_files import StateFiles
 
 LAST_S = 600.0
 MOST_WRONG = 10
-"""After so many wrong ones a code is worth nothing."""
+"""Wrong attempts after which a code is void."""
 _ALPHABET = "23456789ABCDEFGHJKMNPQRSTVWXYZ"
-"""Without letters and digits that are taken for each other."""
+"""Letters and digits that are not mistaken for each other."""
 _LENGTH = 8
 
 
 @dataclass(frozen=True, slots=True)
 class Code:
-    """One code and whom it makes of a browser; until then, in Unix seconds."""
+    """A pairing code."""
 
     code: str
     role: Role
+    """The role that it gives to a browser."""
     until_s: float
+    """The end of its validity, in Unix seconds."""
 
     @property
     def shown(self) -> str:
-        """As a person reads it."""
+        """The code as a person reads it."""
         return f"{self.code[:4]}-{self.code[4:]}"
 
 

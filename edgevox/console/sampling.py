@@ -1,4 +1,4 @@
-"""Looks at the robot as often as pages want it, and not at all while nobody looks."""
+"""The sampling of the robot, as often as pages want it, and never while no page looks."""
 
 import asyncio
 from collections.abc import Awaitable, Callable
@@ -10,7 +10,8 @@ from edgevox.core.log import get_logger, worth_a_line
 log = get_logger(__name__)
 
 LIVE_S = 1 / 15
-"""What is shown is as old as this just before the next one comes, and some 20 ms more."""
+"""Seconds between samples: a sample is this old, and some 20 ms more, just before the next one
+comes."""
 STATUS_S = 1.0
 TICK_S = 1.0
 

@@ -1,7 +1,7 @@
-"""Who was let in: a file for each session, so that another process can list and revoke them.
+"""The sessions: a file for each, so that another process can list and revoke them.
 
-The cookie is ``id.secret``; the file holds the secret's hash only. A session is revoked by removing
-its file, and is over after `LAST_S`.
+The cookie is ``id.secret``; the file holds the secret's hash only. Removing its file revokes a
+session; `LAST_S` ends it.
 """
 
 import hashlib
@@ -28,26 +28,27 @@ _ID = re.compile(r"[0-9a-f]{16}")
 
 
 class Role(StrEnum):
-    """What somebody may do: look, hear and stop; or command as well."""
+    """A session's right: to look, hear and stop; or to command as well."""
 
     VIEWER = "viewer"
     OPERATOR = "operator"
 
     @property
     def way(self) -> Way:
-        """What the policy knows it as."""
+        """The policy's name for it."""
         return Way.CONSOLE_OPERATOR if self is Role.OPERATOR else Way.CONSOLE_VIEWER
 
 
 @dataclass(frozen=True, slots=True)
 class Session:
-    """One browser that was let in; times are Unix seconds."""
+    """A paired browser."""
 
     id: str
     name: str
     role: Role
     hash: str
     began_s: float
+    """In Unix seconds."""
     address: str = ""
 
 
@@ -73,7 +74,7 @@ class Sessions:
         return session, f"{session.id}.{secret}"
 
     def of_cookie(self, cookie: str) -> Session | None:
-        """Whose cookie it is; None for one that was never given, is revoked, or too old."""
+        """Return the cookie's session; None if it never existed, is revoked, or too old."""
         name, _, secret = cookie.partition(".")
         session = self.find(name)
         if session and hmac.compare_digest(session.hash, _hash(secret)):
@@ -88,11 +89,11 @@ class Sessions:
         return session if session and session.id == name else None
 
     def is_there(self, session: Session) -> bool:
-        """Whether it still is: neither revoked nor too old."""
+        """Return whether the session is neither revoked nor too old."""
         return self._is_young(session) and self._file(session.id).exists()
 
     def all(self) -> list[Session]:
-        """Those that are, the oldest first."""
+        """Return the valid sessions, the oldest first."""
         files = self._folder.glob("*.json") if self._folder.is_dir() else ()
         found = [session for file in files if (session := self._read(file))]
         return sorted(found, key=lambda one: one.began_s)

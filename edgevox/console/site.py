@@ -1,6 +1,7 @@
-"""What the console answers over HTTP: the page, letting in, and the sockets.
+"""The console's HTTP answers: the page, pairing, and the sockets.
 
-What every answer tells the browser to forbid, and whether a request comes from the own page.
+Also here: the headers that restrict the browser, and the test for requests from the console's own
+page.
 """
 
 import asyncio
@@ -62,7 +63,10 @@ async def add_headers(_request: web.Request, response: web.StreamResponse) -> No
 
 
 def is_own_origin(request: web.BaseRequest) -> bool:
-    """Whether a page of this server asks: its `Origin` is there, and is the host it asks."""
+    """Return whether a page of this server asks.
+
+    Its `Origin` exists, and equals the request's host.
+    """
     try:
         origin = urlsplit(request.headers.get("Origin", ""))
     except ValueError:  # half an address
@@ -73,10 +77,10 @@ def is_own_origin(request: web.BaseRequest) -> bool:
 PAGE = Path(__file__).parent / "page"
 MOST_BODY = 4096
 _SESSION = web.RequestKey("session", Session)
-"""By this a request has the session that it shows, if it shows one."""
+"""The key of a request's session, if it shows one."""
 DOWNLOADS_PER_S, DOWNLOADS = 0.5, 20
 PAIR_TRIES = 5
-"""In a minute, of one address."""
+"""Pairing attempts per minute and address."""
 
 
 @dataclass
@@ -121,7 +125,7 @@ class Site:
         return app
 
     def session(self, request: web.Request) -> Session:
-        """Whose request it is. Raises 401 where nobody's."""
+        """Return the request's session. Raises 401 if there is none."""
         if _SESSION not in request:
             raise web.HTTPUnauthorized(text="pair first")
         return request[_SESSION]
@@ -137,7 +141,7 @@ class Site:
     async def _recognise(
         self, request: web.Request, handler: Callable[[web.Request], Awaitable[web.StreamResponse]]
     ) -> web.StreamResponse:
-        """Who shows a session is known at the door, also by what asks for a part of the page."""
+        """Identify the session, and tell the door, even for requests of parts of the page."""
         shown = _cookie(request, self.cookie)
         session = self.hub.sessions.of_cookie(shown)
         if session:
@@ -286,7 +290,10 @@ async def _socket(
 
 
 def _cookie(request: web.Request, name: str) -> str:
-    """What it shows as this cookie; aiohttp would log the names of others that it cannot read."""
+    """Return this cookie's value.
+
+    Aiohttp would log the names of other cookies that it cannot read.
+    """
     for header in request.headers.getall("Cookie", ()):
         for part in header.split(";"):
             called, _, value = part.strip().partition("=")
@@ -310,7 +317,7 @@ async def _code(request: web.Request) -> str:
 
 
 def _browser(request: web.Request) -> str:
-    """What a person knows this browser by: its system and its name."""
+    """Return the browser's system and name, as a person knows them."""
     agent = request.headers.get("User-Agent", "")
     systems = ("Android", "iPhone", "iPad", "Windows", "Mac", "Linux")
     names = ("Edg", "OPR", "Firefox", "Chrome", "Safari")

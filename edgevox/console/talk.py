@@ -15,13 +15,13 @@ from edgevox.core.events import (
 )
 
 Told = Transcribed | Decided | TokenGenerated | SentenceReady | Responded | StateChanged | TurnEnded
-"""What is said of a conversation."""
+"""The events of a conversation that pages get."""
 Shown = Told | AgentEvent
-"""What a page is told of the bus."""
+"""All events of the bus that pages get."""
 
 
 def messages_of(event: Event) -> list[dict[str, Any]]:
-    """What a page is told of this event."""
+    """Return the messages for this event."""
     match event:
         case Transcribed(text, turn, confidence):
             return [_talk("heard", turn, text=text, confidence=confidence)]

@@ -1,4 +1,4 @@
-"""How the console is encrypted, and how another certificate takes the place of one that ends."""
+"""The console's encryption, and the replacement of a certificate that ends."""
 
 import hashlib
 import ssl
@@ -12,21 +12,20 @@ from edgevox.core.files.user_file import LARGEST_TEXT_BYTES, open_file
 
 @dataclass(frozen=True, slots=True)
 class Tls:
-    """Certificate and key, and the authority that pages may download.
-
-    `renew` makes the files anew where they end soon; it raises `InvalidValue` and `OSError`.
-    """
+    """The files of the encryption."""
 
     certificate: Path
     key: Path
     authority: Path | None = None
+    """The authority's certificate, which pages may download."""
     renew: Callable[[], object] = field(default=lambda: None, compare=False)
+    """Renews files that end soon; raises `InvalidValue` and `OSError`."""
 
 
 class CurrentTls:
-    """What new connections are encrypted by. Raises `InvalidValue` for files that do not fit.
+    """The encryption of new connections. Raises `InvalidValue` for files that do not fit.
 
-    One that there is keeps what it began with.
+    An open connection keeps its own.
     """
 
     def __init__(self, tls: Tls) -> None:

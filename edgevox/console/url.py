@@ -1,4 +1,4 @@
-"""Where the console's page is, as a browser asks for it."""
+"""The URL of the console's page, as a browser asks for it."""
 
 import socket
 

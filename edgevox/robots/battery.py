@@ -5,7 +5,10 @@ from edgevox.robots.capabilities import HasBattery
 
 
 def battery_skill(body: HasBattery) -> Skill:
-    """How full its battery is, as a skill; each language says it in `core/languages/*.toml`."""
+    """Make the skill that tells the charge.
+
+    Each language has its sentence in `core/languages/*.toml`.
+    """
 
     @skill(moves=False)
     def battery(goal: GoalHandle) -> Result:

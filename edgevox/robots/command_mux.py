@@ -1,6 +1,6 @@
-"""Who may move a body: the motion of a goal, whoever sends velocities, or nobody.
+"""The command mux: lets one source at a time move a body, a goal's motion or a velocity stream.
 
-The newest request wins and ends the one before, so at most one moves the body at any time.
+The newest request wins and ends the one before, so at most one source moves the body at any time.
 """
 
 from collections.abc import Callable, Iterator
@@ -17,16 +17,20 @@ from edgevox.robots.motion import Motion
 log = get_logger(__name__)
 
 WATCHDOG_S = 0.5
-"""A stream of velocities that is silent for so long has stopped."""
+"""A stream of velocities that is silent for this long has stopped."""
 STILL = Twist2D(0.0, 0.0)
 M = TypeVar("M", bound=Motion)
 
 
 class CommandMux(Generic[M]):
-    """Any thread may use it. `lock` is the body's own, reentrant; it guards the motions, too.
+    """Decides who moves the body; may be used from any thread.
 
-    `on_halt` brakes the body: each halt calls it, under the lock, with the motion that the halt
-    ends, if one runs, and the reason.
+    Args:
+        lock: The body's own, reentrant; it guards the motions, too.
+        max_linear_m_s: The limit of streamed velocities, in m/s.
+        max_angular_rad_s: The limit of streamed velocities, in rad/s.
+        on_halt: Brakes the body. Each halt calls it, under the lock, with the motion that the halt
+            ends (or None) and the reason.
     """
 
     def __init__(
@@ -44,24 +48,24 @@ class CommandMux(Generic[M]):
         self._velocity: Twist2D | None = None
         self._velocity_until_s = 0.0
         self.limit: SpeedLimit = _as_asked
-        """What of a motion's velocity may be asked for; whoever sends velocities heeds his own."""
+        """The speed limit for a motion's velocity; the sender of a stream limits its own."""
         self.watchdog_halts = 0
         """Streams that stopped though they had not asked for a stand."""
 
     @property
     def motion(self) -> M | None:
-        """The motion that moves the body; one that is over does not."""
+        """The motion that moves the body; None once it is over."""
         motion = self._motion
         return None if motion is None or motion.done else motion
 
     @property
     def velocity(self) -> Twist2D | None:
-        """The velocity that somebody asks for."""
+        """The streamed velocity, if any."""
         return self._velocity
 
     @property
     def busy(self) -> bool:
-        """Whether anybody moves the body."""
+        """Whether a motion or a stream moves the body."""
         return self._velocity is not None or self.motion is not None
 
     def start(self, make: Callable[[], M]) -> M:
@@ -91,9 +95,9 @@ class CommandMux(Generic[M]):
             self._velocity_until_s = time_s + WATCHDOG_S
 
     def halt(self, error: BaseException, only: M | None = None) -> bool:
-        """Nobody moves the body from now on; a motion ends with `error`. True if anybody did.
+        """Stop the body: a motion ends with `error`. Return whether anything moved it.
 
-        With `only`, where that motion does not move it, nothing happens.
+        With `only`, do nothing unless that motion moves the body.
         """
         with self._lock:
             motion = self.motion
@@ -107,7 +111,7 @@ class CommandMux(Generic[M]):
             return moved
 
     def tick(self, time_s: float) -> None:
-        """It is so late by the body's time: a stream that fell silent moves it no more.
+        """Take the body's time: a stream that fell silent ends.
 
         The body calls it in each of its steps, and holds the lock.
         """
@@ -120,7 +124,7 @@ class CommandMux(Generic[M]):
 
     @contextmanager
     def cancelled_by(self, token: CancelToken, motion: M) -> Iterator[None]:
-        """For so long the token halts the body, if it is this motion that moves it."""
+        """Let the token halt the body within the block, if this motion moves it."""
 
         def cancel() -> None:
             self.halt(Cancelled(token.why), only=motion)

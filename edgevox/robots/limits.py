@@ -1,6 +1,7 @@
-"""Where a world ends: a goal beyond can be refused before anything moves.
+"""The limits of motion: the edges of a world, and the filter for streamed velocities.
 
-Steering a body by velocities, whoever sends them: as the interlock and the policy permit.
+`Bounds` lets a goal outside the world be refused before anything moves. `Steering` passes
+velocities to a body as far as the interlock and the policy permit.
 """
 
 from collections.abc import Callable
@@ -20,7 +21,7 @@ log = get_logger(__name__)
 
 
 Permit = Callable[[float, float], tuple[float, float]]
-"""What of a velocity, m/s and rad/s, may be followed. Raises `EdgeVoxError` where none of it."""
+"""Returns the permitted part of a velocity, m/s and rad/s. Raises `EdgeVoxError` if none is."""
 
 
 class Steerable(Body, TakesVelocity, Protocol):
@@ -28,11 +29,11 @@ class Steerable(Body, TakesVelocity, Protocol):
 
 
 class Steering:
-    """Hands one stream of velocities to a body, as far as interlock and policy let it.
+    """Passes one velocity stream to a body, as far as interlock and policy permit.
 
-    A stop ends the stream: it counts again once nothing that moves has come for `WATCHDOG_S`, that
-    is once whoever sends has let go and begins anew. To stand may always be asked for. `permit` is
-    the policy's.
+    A stop ends the stream: it counts again after `WATCHDOG_S` without a moving velocity, that is
+    once the sender has let go and starts again. Zero velocity is always accepted. `permit` is the
+    policy's.
     """
 
     def __init__(
@@ -66,7 +67,7 @@ class Steering:
             self._check()
 
     def let_go(self) -> None:
-        """Whoever steers has let go: what comes next begins anew."""
+        """Note that the sender has let go: the next velocity starts a new stream."""
         self._moved_s = float("-inf")
 
     def _check(self) -> None:
@@ -83,7 +84,7 @@ class Steering:
 
 @dataclass(frozen=True, slots=True)
 class Bounds:
-    """A rectangle of the map frame, edges included, and what it is called. Metres."""
+    """A named rectangle of the map frame, edges included. Metres."""
 
     name: str
     x_min_m: float
@@ -93,7 +94,7 @@ class Bounds:
 
     @classmethod
     def around(cls, name: str, furthest_m: float) -> "Bounds":
-        """Of a world whose edges nobody knows: this far from the map's origin."""
+        """Make bounds for a world with unknown edges: this far from the map's origin."""
         return cls(name, -furthest_m, furthest_m, -furthest_m, furthest_m)
 
     def check(self, x_m: float, y_m: float) -> None:

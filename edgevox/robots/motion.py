@@ -1,4 +1,4 @@
-"""What a body does for a while: a drive, a walk, a grip. Every body's motions are `Motion`s."""
+"""The base of every body's motions, such as a drive, a walk or a grip."""
 
 import threading
 from abc import ABC, abstractmethod
@@ -10,35 +10,38 @@ REPORT_EVERY_S = 0.2
 
 @dataclass(frozen=True, slots=True)
 class Progress:
-    """How far a motion is: 0 to 1, and what is left of it in `unit`, where that is known."""
+    """The progress of a motion."""
 
     part: float
+    """The share that is done, 0 to 1."""
     left: float = 0.0
+    """The rest, in `unit`, if that is known."""
     unit: str = ""
 
 
 class Motion(ABC):
-    """Ends exactly once: done, or with the error that is raised to whoever waits for it.
+    """A motion that ends exactly once: done, or with the error that is raised to its waiter.
 
-    All but `progress` may be used from any thread; that one reads what the body's lock guards.
+    All methods but `progress` may be used from any thread; `progress` reads data that the body's
+    lock guards.
     """
 
     def __init__(self) -> None:
         self._ending = threading.Lock()
         self._over = threading.Event()
         self.done = False
-        """Whether it is over, for whatever reason."""
+        """Whether it is over, for any reason."""
         self.error: BaseException | None = None
-        """Why it ended before it was done."""
+        """The reason why it ended early; None if it was done."""
 
     @abstractmethod
     def progress(self) -> Progress:
-        """How far it is."""
+        """Return the progress."""
 
     def end(self, error: BaseException | None = None) -> bool:
-        """It is over: done, or not because of `error`. True for the first end, the one that counts.
+        """End the motion: done, or early with `error`. Return whether this was the first end.
 
-        Whether it stops the body is the business of who moves it.
+        Only the first end counts. Stopping the body is up to its mover.
         """
         with self._ending:
             if self.done:
@@ -48,7 +51,7 @@ class Motion(ABC):
             return True
 
     def check(self) -> None:
-        """Raise what it ended with, if that was an error."""
+        """Raise the error that it ended with, if any."""
         if self.error is not None:
             raise self.error
 

@@ -1,6 +1,6 @@
-"""What places, rooms and things may be called, in the files that describe them.
+"""Names of places, rooms and things, in the files that describe them.
 
-What a word of a file is called in each language, under `names`: of rooms, places and choices.
+The key `names` has the names of a room, place or choice by language:
 
     pharmacy:
       names:
@@ -8,7 +8,7 @@ What a word of a file is called in each language, under `names`: of rooms, place
         fr: [la pharmacie, l'officine]
         ru: {name: аптека, to: в аптеку, at: в аптеке, heard: [аптеку, аптечный пункт]}
 
-The first name of a language is said, all are understood while it is spoken.
+The robot says the first name of a language, and understands all of them while it is spoken.
 """
 
 import unicodedata
@@ -24,15 +24,15 @@ from edgevox.core.files.validation import Place, wrong
 from edgevox.core.languages import LANGUAGES
 
 LONGEST_NAME = 64
-"""In the file of a world, whose things are drawn more often than spoken of."""
+"""The longest name in the file of a world, whose things are drawn more often than spoken of."""
 LONGEST_PLACE = 40
-"""Of a place that people name, in a file of theirs or by saying so."""
+"""The longest name of a place that people give, in their file or by voice."""
 
 
 def read_name(where: str, value: object, longest: int = LONGEST_NAME) -> str:
-    """A name that can be said, and that nobody needs for anything else.
+    """Read a name that can be spoken, and that has no other meaning.
 
-    Raises `InvalidValue` with the name, and what would be right.
+    Raises `InvalidValue` with the name and the expected value.
     """
     if not isinstance(value, str) or len(value) > longest or not speakable(value):
         raise InvalidValue(
@@ -53,7 +53,7 @@ def check_thing(where: str, name: object) -> str:
 
 
 def speakable(name: str) -> bool:
-    """Whether it is of letters, the marks that belong to them, digits and a little more."""
+    """Return whether the name has only letters, their marks, digits, spaces and `_'-`."""
     kinds = [unicodedata.category(character)[0] for character in name]
     fits = all(kind in "LMN" or one in "_' -" for one, kind in zip(name, kinds, strict=True))
     return fits and kinds[:1] == ["L"]
@@ -149,7 +149,7 @@ def _items(place: Place, given: Any) -> Iterator[tuple[Place, Any]]:
 
 
 def _name(code: str, place: Place, name: Any) -> str:
-    """As it is written; what people say of it, without its article, must be free as well."""
+    """Return the name as written; its form without the article must be free as well."""
     try:
         read_name("", name, LONGEST_PLACE)
         bare = read_name("", bare_name(code, name), LONGEST_PLACE)

@@ -31,7 +31,7 @@ from edgevox.robots.world.fields import LARGEST
 
 
 class NavigableBody(Body, HasPose, HasPlaces, DrivesTo, Protocol):
-    """What these skills need."""
+    """The capabilities that these skills need."""
 
 
 @runtime_checkable
@@ -39,7 +39,7 @@ class DrivesToPlaces(Protocol):
     """Knows more of a place than its point, such as which way to look there."""
 
     def drive_to_place(self, place: str, *, token: CancelToken, report: Report) -> None:
-        """As `drive_to`."""
+        """Drive there, like `drive_to`."""
 
 
 @runtime_checkable
@@ -47,12 +47,12 @@ class DrivesToPoses(Protocol):
     """Can look a given way where it has driven."""
 
     def drive_to_pose(self, pose: Pose2D, *, token: CancelToken, report: Report) -> None:
-        """As `drive_to`."""
+        """Drive there, like `drive_to`."""
 
 
 @dataclass(frozen=True, slots=True)
 class PlaceWord:
-    """What this body's places are called: the name of the argument that is one."""
+    """The body's word for its places: the name of the argument that is one."""
 
     noun: str
 
@@ -190,7 +190,10 @@ def _get_pose(body: NavigableBody, word: PlaceWord) -> Skill:
 def _hints_in_turn(
     places: Sequence[str], hints: Mapping[str, Sequence[str]], word: PlaceWord
 ) -> tuple[Example, ...]:
-    """One hint of each place in turn, a few at most; without any those of the phrasebooks count."""
+    """Return a few examples, one hint of each place in turn.
+
+    If none, the phrasebooks' examples count.
+    """
     told = [
         Example(hint, {word.noun: place})
         for number in range(max((len(hints.get(place, ())) for place in places), default=0))

@@ -1,4 +1,4 @@
-"""What a skill's code does on ROS 2: it has the agent's own node, and never one of its own."""
+"""ROS 2 for a skill's code: it uses the agent's own node, and never makes one."""
 
 from collections.abc import Callable
 from typing import Any, Protocol, TypeVar, runtime_checkable
@@ -13,10 +13,10 @@ class NodeHandle(Protocol):
 
     Names are relative to the node's namespace (on `robot-external` the robot's, with the topics of
     its robot file) unless they begin with a slash. `kind` is the class of the interface, such as
-    ``std_srvs.srv.Trigger``. All methods may be called from any thread but the node's; those that
-    wait raise `Cancelled` when the token is, and `SkillFailed`, with a reason in every language of
-    the robot, for what is not there, refuses, is silent or gives up. Nothing but `listen` can be
-    used before the robot is started.
+    ``std_srvs.srv.Trigger``. All methods may be called from any thread but the node's. The methods
+    that wait raise `Cancelled` when the token is cancelled, and `SkillFailed`, with a reason in
+    every language of the robot, if the interface is missing, refuses, is silent or gives up. Only
+    `listen` can be used before the robot is started.
     """
 
     def call(
@@ -85,9 +85,9 @@ class NodeHandle(Protocol):
         """
 
     def on_node(self, work: Callable[[Any], T]) -> T:
-        """What this makes of the `rclpy.node.Node`, on the one thread that spins it.
+        """Return what `work` makes of the `rclpy.node.Node`, on the one thread that spins it.
 
-        For what the other methods cannot do: timers, parameters, other QoS. It must not wait there,
+        For needs beyond the other methods: timers, parameters, other QoS. It must not wait there,
         and neither may any callback that it leaves behind: the robot's own topics wait for it.
         """
 
@@ -98,4 +98,4 @@ class OnRos2(Protocol):
 
     @property
     def ros(self) -> NodeHandle:
-        """That node, for skills."""
+        """The node, for skills."""

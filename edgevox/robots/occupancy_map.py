@@ -1,4 +1,4 @@
-"""A map as a grid of cells, as coarse as people need it to look at: unknown, free or occupied."""
+"""An occupancy map: a grid of unknown, free or occupied cells, coarse enough to look at."""
 
 from dataclasses import dataclass, replace
 
@@ -14,17 +14,17 @@ UNKNOWN, FREE, OCCUPIED = 0, 1, 2
 
 @dataclass(frozen=True, slots=True, eq=False)
 class OccupancyMap:
-    """`cells` of shape (rows, columns), row 0 at the lower edge, each `resolution_m` wide.
-
-    `origin` is the lower left corner of cell (0, 0), map frame; rows run along its x axis.
-    """
+    """A grid in the map frame."""
 
     cells: NDArray[np.uint8]
+    """Shape (rows, columns), row 0 at the lower edge."""
     resolution_m: float
+    """The width of a cell."""
     origin: Pose2D
+    """The lower left corner of cell (0, 0), map frame; rows run along its x axis."""
 
     def cropped(self) -> "OccupancyMap":
-        """As much of it as is known; without cells where nothing is."""
+        """Return the known part; a map without cells if nothing is known."""
         rows = np.flatnonzero(self.cells.any(axis=1))
         columns = np.flatnonzero(self.cells.any(axis=0))
         if not len(rows):
@@ -35,7 +35,7 @@ class OccupancyMap:
         return replace(self, cells=cells, origin=origin)
 
     def reduced(self, most_cells: int) -> "OccupancyMap":
-        """With at most so many cells along each side: as many as needed become one."""
+        """Return a map with at most this many cells along each side, merging cells as needed."""
         every = -(-max(self.cells.shape) // most_cells)
         if every <= 1:
             return self
@@ -46,7 +46,7 @@ class OccupancyMap:
         return replace(self, cells=cells, resolution_m=self.resolution_m * every)
 
     def corners(self) -> list[Point]:
-        """Its four corners, metres, map frame."""
+        """Return the four corners, metres, map frame."""
         high, wide = (cells * self.resolution_m for cells in self.cells.shape)
         ends = ((0.0, 0.0), (wide, 0.0), (wide, high), (0.0, high))
         return [to_map(end, self.origin) for end in ends]

@@ -1,4 +1,4 @@
-"""Follows a path by pure pursuit: steers along the arc to a point a little ahead on the path."""
+"""Pure pursuit: steers along the arc to a point a little ahead on the path."""
 
 import math
 from collections.abc import Sequence
@@ -19,7 +19,7 @@ _TURN_GAIN = 4.0
 
 
 class FollowerLimits(Protocol):
-    """How fast a robot may drive, turn and brake."""
+    """The limits of a robot's driving, turning and braking."""
 
     @property
     def max_linear_m_s(self) -> float: ...
@@ -33,15 +33,19 @@ class FollowerLimits(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class _Side:
-    """One straight piece of a path, how long it is, and where on the path it begins and ends."""
+    """A straight piece of a path."""
 
     a: Point
+    """Its first point."""
     ahead: Point
     """The unit vector from `a` to `b`."""
     b: Point
+    """Its last point."""
     length_m: float
     begin_m: float
+    """The path's length up to `a`."""
     end_m: float
+    """The path's length up to `b`."""
 
     def at(self, along_m: float) -> Point:
         """The point this far along the path, which is on this side."""
@@ -49,7 +53,7 @@ class _Side:
         return self.a[0] + past_m * self.ahead[0], self.a[1] + past_m * self.ahead[1]
 
     def nearest(self, point: Point) -> float:
-        """How far along the path the point of this side is that is nearest to another."""
+        """Return how far along the path this side's nearest point to `point` is."""
         x, y = point[0] - self.a[0], point[1] - self.a[1]
         past_m = x * self.ahead[0] + y * self.ahead[1]
         if past_m <= 0.0:
@@ -63,7 +67,7 @@ class PathFollower:
     def __init__(self, path: Sequence[Point], limits: FollowerLimits) -> None:
         self._limits = limits
         self._sides = _sides(path)
-        """What is not passed yet."""
+        """The sides that are not passed yet."""
         self.goal = path[-1]
         self.length_m = self._sides[-1].end_m if self._sides else 0.0
         self._passed_m = 0.0
@@ -72,11 +76,11 @@ class PathFollower:
 
     @property
     def remaining_m(self) -> float:
-        """What is left of the path."""
+        """The length of the rest of the path."""
         return self.length_m - self._passed_m
 
     def ahead(self) -> tuple[Point, ...]:
-        """What is left of the path, from where the robot was last on it."""
+        """Return the rest of the path, from the robot's last place on it."""
         later = [side.b for side in self._sides if side.end_m > self._passed_m]
         return (self._at(self._passed_m), *later)
 
@@ -98,7 +102,7 @@ class PathFollower:
         return Twist2D(speed, self._turn_rate(speed * curvature))
 
     def _speed(self, left_m: float, curvature: float) -> float:
-        """As fast as the limits, the way that is left to stop on, and the bend allow."""
+        """Return the speed that the limits, the distance for stopping and the bend allow."""
         limits = self._limits
         stopping = math.sqrt(max(limits.max_linear_m_s2 * (left_m - ARRIVED_M / 2), 0.0))
         turning = 0.7 * limits.max_angular_rad_s / max(abs(curvature), 1e-6)

@@ -1,6 +1,7 @@
-"""What a robot is to `edgevox-agent`, and how a package brings one: by an entry point, as ours do.
+"""The interface of a robot to `edgevox-agent`: a package brings one by an entry point.
 
-Who brings a body needs this module, the protocols of `capabilities`, and `EdgeVoxError` of core.
+EdgeVox's own robots come the same way. A package needs this module, the protocols of
+`capabilities`, and `EdgeVoxError` of core.
 """
 
 import tomllib
@@ -43,36 +44,37 @@ where it cannot."""
 
 _OURS = "edgevox-robot"
 _BROKEN = (Exception, SystemExit)
-"""A package of somebody else raises what it likes, and may want to end the program."""
+"""Foreign code raises anything, and may even try to end the program."""
 _PROJECT = Path(__file__).parents[2] / "pyproject.toml"
 
 
 @dataclass(frozen=True)
 class Robot:
-    """One robot: what it is, how to build it, what the language model is told of itself.
+    """A robot: its description, its constructor, and the language model's instructions.
 
-    The body that `build` makes has the robot's name. `models` are the ids of edgevox-models that it
-    needs as it comes; `build` locates them. `reads` are those of the settings `FOR_BODIES` that
-    `build` reads; whoever sets another one is told that it does nothing. None is for not saying.
+    The body that `build` makes has the robot's name.
     """
 
     about: str
     build: Build
     instructions: str = INSTRUCTIONS
     models: tuple[str, ...] = ()
+    """Ids of the edgevox-models that it needs by default; `build` locates them."""
     reads: frozenset[str] | None = None
+    """The settings of `FOR_BODIES` that `build` reads; a user who sets another one is told that
+    it does nothing. None: unknown."""
 
     def unread(self, settings: Settings) -> list[str]:
-        """The settings that somebody changed and that do nothing for this robot."""
+        """Return the changed settings that do nothing for this robot."""
         names = FOR_BODIES - (FOR_BODIES if self.reads is None else self.reads)
         fields = Settings.model_fields
         return sorted(one for one in names if getattr(settings, one) != fields[one].default)
 
 
 class Robots(Mapping[str, Robot]):
-    """Robots by name, each loaded when it is first asked for.
+    """Robots by name, each loaded at its first use.
 
-    One that cannot be loaded is there, and says so when its body is built.
+    A robot that cannot be loaded is listed, and fails when its body is built.
     """
 
     def __init__(self, points: Iterable[EntryPoint]) -> None:
@@ -108,17 +110,17 @@ def installed_robots(project: Path = _PROJECT) -> Robots:
 
 
 def robot_points() -> tuple[EntryPoint, ...]:
-    """Those of all packages that are found now."""
+    """Return the robots' entry points of all installed packages."""
     return tuple(entry_points(group=GROUP))
 
 
 def foreign_robot_points() -> tuple[EntryPoint, ...]:
-    """Those of them that are not ours."""
+    """Return the robots' entry points of other packages."""
     return tuple(one for one in robot_points() if one.dist is None or one.dist.name != _OURS)
 
 
 def fault_of_robot(point: EntryPoint) -> str:
-    """Why a robot cannot even be loaded; empty if it can."""
+    """Return the reason why a robot cannot even be loaded; empty if it can."""
     try:
         robot = point.load()
     except _BROKEN as error:

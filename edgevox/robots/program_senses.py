@@ -1,11 +1,11 @@
-"""What programs may ask of a body: its charge, and the way back to where it is."""
+"""A body's facts for programs: its charge, and the way back to its place."""
 
 from edgevox.agent.programs.senses import Senses
 from edgevox.agent.skills import Call
 from edgevox.robots.capabilities import Body, HasBattery, HasPose, TellsStalls
 
 _STALLED_S = 1.0
-"""A world that has stood still for so long may hold the lock that its battery is behind."""
+"""A world that has stood still for this long may hold the lock that guards its battery."""
 _POINT = "navigate_xy"
 
 
@@ -23,7 +23,7 @@ def _charge(body: HasBattery) -> float | None:
 
 
 def _way_back(body: Body) -> Call | None:
-    """To the point where it is; None for a body that does not drive to points."""
+    """Return the call that drives to the present point; None if the body cannot drive to points."""
     skills = {one.name for one in body.skills}
     if not isinstance(body, HasPose) or _POINT not in skills:
         return None

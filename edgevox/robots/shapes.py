@@ -1,4 +1,4 @@
-"""Plane shapes: circles, polygons and open lines, and how far a point is from them. Metres."""
+"""Plane shapes: circles, polygons and open lines, and the distance of points from them. Metres."""
 
 import math
 from collections.abc import Iterable
@@ -57,7 +57,7 @@ def edges(shape: Polygon | Line) -> Floats:
 
 
 def inside(shape: Shape, points: Floats) -> NDArray[np.bool_]:
-    """Which of the points, (n, 2), a shape covers, (n,). A line covers none."""
+    """Return which of the points, (n, 2), a shape covers, (n,). A line covers none."""
     match shape:
         case Circle(center, radius_m):
             offset = points - np.asarray(center)
@@ -70,7 +70,7 @@ def inside(shape: Shape, points: Floats) -> NDArray[np.bool_]:
 
 
 def distance(shape: Shape, points: Floats) -> Floats:
-    """How far the points, (n, 2), are from a shape, (n,); 0 where it covers them."""
+    """Return the distances of points, (n, 2), from a shape, (n,); 0 where it covers them."""
     if isinstance(shape, Circle):
         offset = points - np.asarray(shape.center)
         outside: Floats = np.maximum(np.hypot(offset[:, 0], offset[:, 1]) - shape.radius_m, 0.0)
@@ -113,7 +113,7 @@ def area(vertices: Iterable[Point]) -> float:
 
 
 def is_convex(polygon: Polygon) -> bool:
-    """Whether all corners turn the same way."""
+    """Return whether all corners turn the same way."""
     corners = np.asarray(polygon.vertices)
     side = np.roll(corners, -1, axis=0) - corners
     after = np.roll(side, -1, axis=0)
@@ -122,7 +122,7 @@ def is_convex(polygon: Polygon) -> bool:
 
 
 def crosses_itself(polygon: Polygon) -> bool:
-    """Whether two sides cross."""
+    """Return whether two sides cross."""
     sides = edges(polygon)
     start, along = sides[:, :2], sides[:, 2:] - sides[:, :2]
     offset = start[None, :, :] - start[:, None, :]
@@ -132,7 +132,7 @@ def crosses_itself(polygon: Polygon) -> bool:
 
 
 def _squared_to_segment(x: Floats, y: Floats, side_x: float, side_y: float) -> Floats:
-    """Of points seen from one end of a segment, which reaches to `side`."""
+    """Return squared distances of points, seen from one end of a segment that reaches to `side`."""
     length_squared = side_x * side_x + side_y * side_y
     if length_squared > 0.0:
         along = (x * side_x + y * side_y) / length_squared

@@ -1,8 +1,7 @@
-"""The thread that lets a simulated world's time pass, in real time or as fast as it can.
+"""The loop that lets a simulated world's time pass, in real time or as fast as possible.
 
-How a body that is simulated is switched on and off, whatever simulates it.
-
-What a robot, simulated or not, says of itself: the component `sim`.
+`SimulatedBody` switches a simulated body on and off. `SimComponent` is a robot's status, simulated
+or not: the component `sim`.
 """
 
 import math
@@ -93,7 +92,7 @@ class SimComponent:
         )
 
     def status(self) -> Status:
-        """How it is now. A world that stands still may hold the lock that its battery is behind."""
+        """Return the current status. A stalled world may hold the lock that guards its battery."""
         body, steps = self._body, self._body if isinstance(self._body, KeepsPace) else None
         stalled_s = body.stalled_s if isinstance(body, TellsStalls) else 0.0
         breaks = steps.breaks if steps else 0
@@ -125,14 +124,14 @@ class SimComponent:
 
 
 MOST_LAG_S = 0.25
-"""A thread that was stalled catches up this much; what is older is dropped, not run after."""
+"""The most time that a stalled thread catches up; older time is dropped."""
 BROKE = because("broke")
-"""Why a goal fails when a step did, as it is spoken."""
+"""The spoken reason of a goal that fails with a broken step."""
 _LOG_EVERY_S = 10.0
 _PAUSE_AFTER_FAILURE_S = 0.05
 _FACTOR_OVER_S = 1.0
 _LOOK_S = 0.1
-"""How often a world at rest is brought up to date if nobody looks; far less than `MOST_LAG_S`."""
+"""Seconds between updates of a world at rest; far less than `MOST_LAG_S`."""
 
 
 class Pacer:
@@ -150,7 +149,10 @@ class Pacer:
         return self._due_s - now_s
 
     def due(self, now_s: float) -> bool:
-        """Whether a step is. Asked all the time: it takes no lock and changes nothing."""
+        """Return whether a step is due. Called all the time.
+
+        It takes no lock and changes nothing.
+        """
         return now_s >= self._due_s
 
     def stepped(self) -> None:
@@ -159,19 +161,24 @@ class Pacer:
 
 
 class SimLoop:
-    """Calls `step` again and again on a thread of its own.
+    """Calls `step` again and again on its own thread.
 
-    `step` lets `period_s` of the world's time pass and returns whether it has more to do. With a
-    `speed` it is called at that multiple of real time, busy or not. With None it is called without
-    a pause while it is busy; when it is not, the world stands still until `wake` or `advance`.
-    With 0 time passes only as far as `advance` asks, busy or not: the simulation is in
-    lockstep with its caller, and what the caller does between two calls takes no simulated time.
-    A step that raises is logged and counted, `broke` is called to stop what moves, and the next one
-    comes.
-
-    Where `rests` says that the next step changes nothing but the time, a thread that wakes for each
-    would cost more than all that happens: steps that are due are then taken together, now and then,
-    or by whoever looks at the time and calls `catch_up` first. `lock` is the body's own, reentrant.
+    Args:
+        step: Lets `period_s` of the world's time pass; returns whether it has more to do.
+        period_s: Seconds of the world's time per step.
+        speed: The multiple of real time at which it steps, busy or not. None steps without a pause
+            while it is busy; otherwise the world stands still until `wake` or `advance`. With 0
+            time passes only as far as `advance` asks: the simulation is in lockstep with its
+            caller, and the caller's work between two calls takes no simulated time.
+        clock: The time; the system's by default.
+        sleep: Waits for some seconds.
+        name: Names the thread.
+        broke: Stops all motion after a step that raised; that is logged and counted, and the next
+            step comes.
+        rests: Whether the next step changes nothing but the time. Waking the thread for each such
+            step would cost more than the steps do. Due steps are then taken together, now and then,
+            or by a reader of the time, who calls `catch_up` first.
+        lock: The body's own, reentrant.
     """
 
     def __init__(
@@ -222,14 +229,14 @@ class SimLoop:
 
     @property
     def pace(self) -> float | None:
-        """Which part of the speed that was asked for it keeps; None where none was, or not yet."""
+        """The share of the wanted speed that it keeps; None without a wanted speed, or not yet."""
         return self._factor / self._speed if self._speed and self._factor else None
 
     @property
     def stalled_s(self) -> float:
-        """For how long a step has been due that has not come to a good end.
+        """Seconds for which a step has been due that has not ended well.
 
-        0 for a world that rests by design; infinite if its thread ended though nobody closed it.
+        0 for a world that rests by design; infinite if its thread died.
         """
         due_s = self._due_s
         if self._closing.is_set() or self._thread.ident is None:
@@ -245,11 +252,11 @@ class SimLoop:
         self._thread.start()
 
     def wake(self) -> None:
-        """There is something to do."""
+        """Tell the loop that there is work."""
         self._woken.set()
 
     def catch_up(self) -> None:
-        """Take the steps that are due in a world at rest; nothing in one that moves."""
+        """Take the due steps of a world at rest; do nothing in one that moves."""
         pacer = self._pacer
         if pacer is None or not pacer.due(self._clock.now()) or not self._resting:
             return
@@ -307,7 +314,7 @@ class SimLoop:
 
     @property
     def _resting(self) -> bool:
-        """Whether nothing is to change but the time, and that follows a clock."""
+        """Whether the world follows a clock and only its time is to change."""
         follows = self._pacer is not None and not self._closing.is_set()
         return follows and self._rests() and not self._asked_for
 
@@ -357,7 +364,7 @@ class SimLoop:
 
 
 class SteppedBySimLoop:
-    """What a body with a `SimLoop` says of it, as `KeepsPace` and `TellsStalls` want it."""
+    """Status of a body with a `SimLoop`, as `KeepsPace` and `TellsStalls` define it."""
 
     _sim_loop: SimLoop
 
@@ -368,17 +375,17 @@ class SteppedBySimLoop:
 
     @property
     def pace(self) -> float | None:
-        """Which part of the speed that was asked for it keeps; None where none was, or not yet."""
+        """The share of the wanted speed that it keeps; None without a wanted speed, or not yet."""
         return self._sim_loop.pace
 
     @property
     def breaks(self) -> int:
-        """How often a step of the world failed, or its numbers broke."""
+        """The number of the world's steps that failed, or whose numbers broke."""
         return self._sim_loop.failures
 
     @property
     def stalled_s(self) -> float:
-        """For how long a step has been due that has not come to a good end."""
+        """Seconds for which a step has been due that has not ended well."""
         return self._sim_loop.stalled_s
 
 

@@ -22,28 +22,27 @@ SKILL_GROUP = "edgevox.skills"
 """The entry points that name a `MakeSkills` each."""
 ALL, NONE = "all", "none"
 _BROKEN = (Exception, SystemExit)
-"""A package of somebody else raises what it likes, and may want to end the program."""
+"""Foreign code raises anything, and may even try to end the program."""
 
 log = get_logger(__name__)
 
 
 class SkillsOff(EdgeVoxError):
-    """What a package raises whose skills this robot cannot have; the message says why."""
+    """A package's skills do not fit this robot; the message is the reason."""
 
 
 @dataclass(frozen=True)
 class SkillContext:
-    """What a package's skills have of the agent. The body is not started yet.
-
-    `name` is that of the entry point. What the body can do, `edgevox.robots.capabilities` says:
-    its pose, battery and the like are asked with ``isinstance(context.body, HasPose)``. Without
-    ROS 2 (`robot-external`, or the setting `ros2`) there is no `ros`.
-    """
+    """The agent's objects for a package's skills. The body is not started yet."""
 
     name: str
+    """The entry point's name."""
     body: Body
+    """Its capabilities are in `edgevox.robots.capabilities`: test with
+    ``isinstance(context.body, HasPose)``."""
     settings: Settings
     ros: NodeHandle | None = None
+    """None without ROS 2 (`robot-external`, or the setting `ros2`)."""
 
     @property
     def places(self) -> Mapping[str, tuple[float, float]]:
@@ -75,7 +74,10 @@ def installed_skills() -> Mapping[str, EntryPoint]:
 
 
 def chosen_skills(chosen: str, installed: Mapping[str, EntryPoint]) -> Sequence[EntryPoint]:
-    """Those that the setting `skills` names. Raises `InvalidValue` for one that is not there."""
+    """Return the packages that the setting `skills` names.
+
+    Raises `InvalidValue` for a missing one.
+    """
     if chosen in {ALL, NONE}:
         return tuple(installed.values()) if chosen == ALL else ()
     names = [name.strip() for name in chosen.split(",")]
@@ -101,7 +103,7 @@ def warn_of_namesakes(used: Iterable[EntryPoint]) -> None:
 
 
 def fault_of(point: EntryPoint) -> str:
-    """Why a package cannot even be loaded; empty if it can."""
+    """Return the reason why a package cannot even be loaded; empty if it can."""
     try:
         _load_factory(point)
     except _BROKEN as error:

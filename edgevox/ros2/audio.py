@@ -26,11 +26,12 @@ TOPIC_OUT = AUDIO_OUT.topic
 
 
 class AudioOut:
-    """Publishes on a node, in its namespace, reliably; nothing while nobody speaks.
+    """Publishes speech on a node, in its namespace, reliably; silence is not published.
 
     Messages are `edgevox_msgs/msg/AudioData`: 16 kHz, mono, 16 bit little-endian, of at most 40 ms.
-    They come at the pace of speech, 60 ms before they are due: whoever plays them should start with
-    the first, wait for no more than that, and so is silent that soon after an interruption.
+    They come at the pace of speech, 60 ms before they are due. A player should start with the first
+    message and buffer no more than those 60 ms; then it falls silent that soon after an
+    interruption.
     """
 
     def __init__(self, node: Node, relay: Relay) -> None:
@@ -40,7 +41,7 @@ class AudioOut:
         relay.connect(self._publish)
 
     def close(self) -> None:
-        """To be called before the node is destroyed: what is spoken later goes nowhere."""
+        """Stop publishing, before the node is destroyed: later speech goes nowhere."""
         self._relay.close()
 
     def _publish(self, samples: Samples) -> None:
@@ -56,9 +57,9 @@ MAX_BYTES = SAMPLE_BYTES * RATE_HZ
 
 
 class AudioIn:
-    """Subscribes on a node, in its namespace, best effort; the callback only queues.
+    """Subscribes to a microphone's topic, best effort; the callback only queues.
 
-    Messages are `edgevox_msgs/msg/AudioData`: 16 kHz, mono, 16 bit little-endian. One that is
+    Messages are `edgevox_msgs/msg/AudioData`: 16 kHz, mono, 16 bit little-endian. A message that is
     empty, cut within a sample or longer than a second is refused, counted and logged.
     """
 
@@ -73,7 +74,7 @@ class AudioIn:
 
     @property
     def refusals(self) -> Mapping[tuple[str, ...], int]:
-        """How many messages were refused, by topic and reason."""
+        """The number of messages that were refused, by topic and reason."""
         return {(TOPIC_IN, reason): count for reason, count in self.refused.items()}
 
     def close(self) -> None:

@@ -1,17 +1,18 @@
-"""What waits in the middleware's queues when the robot is stopped is void, as all that came before.
+"""The backlog: voids orders that were in the middleware's queues when the robot was stopped.
 
-Neither a time nor a number in a message can say what came before a stop: clocks differ between
-hosts, and rclpy gives a request for an action without any time. The order of a queue can. All
-callbacks run on the executor's thread, so this is what that thread knows: what it takes from a
-queue after a stop, and before it has emptied that queue once, may have been there before the stop;
-what it takes later has come since. So each queue has a mark, the interlock's when the queue was
-last found empty, and whatever is taken from it carries that mark. A stop empties the queues at
-once, and so what is sent after the stop was told counts again. Nothing can overtake this: the
-emptying and the callbacks are on one thread.
+Neither a time nor a number in a message can tell whether it was sent before a stop: clocks differ
+between hosts, and rclpy gives an action request no time at all. The order of a queue can tell. All
+callbacks run on the executor's thread. An order that this thread takes after a stop, but before it
+has emptied the queue once, may have been there before the stop; a later order has come since.
 
-What was lost on the way and is repeated by the middleware comes later still. For that the time at
-which a message says that it was sent is looked at, too, but only to refuse: within `LATE_S` before
-the stop it is void, so that a host whose clock is wrong is not deaf for longer than that.
+So each queue has a mark, the interlock's at the time when the queue was last found empty, and each
+order that is taken from the queue carries that mark. A stop empties the queues at once, so that
+orders sent after the stop was told count again. Nothing can overtake this, because emptying and
+callbacks share one thread.
+
+An order that was lost on the way and repeated by the middleware comes later still. Therefore the
+send time in a message is used as well, but only to refuse: an order sent within `LATE_S` before the
+stop is void, so a host with a wrong clock is ignored for no longer than that.
 """
 
 import threading
@@ -31,16 +32,19 @@ from edgevox.core.motion.interlock import Interlock
 log = get_logger(__name__)
 
 LATE_S = 3.0
-"""So late a reliable sender repeats what was lost, seen with Fast DDS."""
+"""Delay with which a reliable sender repeats a lost message, seen with Fast DDS."""
 Receive = Callable[[Any, int], None]
 """Takes a message and its mark."""
 
 
 class Queue:
-    """One queue of orders. `take` handles one that waits; False if none does.
+    """A queue of orders.
 
-    `depth` is how many it holds at most: after so many are taken, none of those that were there is
-    left, however fast others come.
+    Args:
+        take: Handles one waiting order; returns False if there is none.
+        depth: The most orders that it holds. Once this many are taken, none of those that were
+            there is left, however fast others come.
+        mark: The interlock's mark when the queue was last found empty.
     """
 
     def __init__(self, backlog: "Backlog", take: Callable[[], bool], depth: int, mark: int) -> None:
@@ -51,9 +55,9 @@ class Queue:
 
     @contextmanager
     def served(self, sent_ns: int = 0) -> Iterator[int]:
-        """Whatever runs inside handles one order from this queue; gives its mark.
+        """Mark the block as the handling of one order from this queue; yields the queue's mark.
 
-        `sent_ns` is the Unix time at which it says that it was sent, 0 where that is not known.
+        `sent_ns` is the order's send time, in nanoseconds of Unix time; 0 if unknown.
         """
         with self._backlog.serving(self, sent_ns):
             yield self.mark
@@ -106,7 +110,7 @@ class Backlog:
             self._serving, self._sent_ns = before
 
     def _stopped(self, mark: int) -> None:
-        """Everything was stopped, or allowed again, on any thread; the interlock is at `mark`."""
+        """React to a stop, or its release, on any thread; the interlock is at `mark`."""
         if not self._open or (self._emptying and self._is_here()):
             return  # whoever empties looks again
         here = self._serving is not None and self._is_here()
@@ -119,7 +123,7 @@ class Backlog:
             self._node.executor.create_task(self._empty)
 
     def _is_late(self) -> bool:
-        """Whether what is served says that it was sent shortly before the last stop."""
+        """Return whether the order being handled was sent shortly before the last stop."""
         return self._sent_ns > 0 and 0 < self._stopped_ns - self._sent_ns < LATE_S * 1e9
 
     def _is_here(self) -> bool:

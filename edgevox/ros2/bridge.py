@@ -1,14 +1,13 @@
 """The bridge: the node with all of its parts.
 
-Queries as services: a Trigger for each, whose message is the JSON that `info` carries.
+Queries are services: a Trigger for each, whose message is the JSON that `info` carries.
 
-The components' word on `/diagnostics`, as rqt_robot_monitor and the aggregator expect it.
+The components' status goes out on `/diagnostics`, as rqt_robot_monitor and the aggregator expect
+it. A status is called ``/robot1/edgevox: audio``: the node's full name and the component, as
+diagnostic_updater does it with `use_fqn`. Its default, the short name, is the same for every robot
+of a domain, so a listener would take two robots for one.
 
-A status is called ``/robot1/edgevox: audio``: the node's full name and the component, as
-diagnostic_updater does it with `use_fqn`. The short name, its default, is the same for every robot
-of a domain, and whoever listens would take two robots for one.
-
-The node's parameters: the settings of the topic commands, seen and changed as parameters.
+The node's parameters are the settings that topics can change, seen and changed as parameters.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -54,7 +53,7 @@ class QueryServices:
             node.create_service(Trigger, name, partial(_answer, name, queries[name]))
 
     def close(self) -> None:
-        """Nothing of its own; the services end with their node."""
+        """Do nothing: the services end with their node."""
 
 
 def _answer(
@@ -102,10 +101,10 @@ def as_message(node: str, status: Status) -> DiagnosticStatus:
 
 
 def declare(node: Node, values: Mapping[str, Value]) -> dict[str, Value]:
-    """Declare the contract's parameters; `values` are their defaults.
+    """Declare the contract's parameters, with `values` as defaults; return their values.
 
-    The result is what they are: launch files, parameter files and ``-p`` overrule the defaults.
-    Raises `InvalidValue` for one of another type.
+    Launch files, parameter files and ``-p`` overrule the defaults. Raises `InvalidValue` for a
+    value of another type.
     """
     for row in PARAMETERS:
         descriptor = ParameterDescriptor(
@@ -121,9 +120,9 @@ def declare(node: Node, values: Mapping[str, Value]) -> dict[str, Value]:
 
 
 class Parameters:
-    """Keeps parameters and controls the same, whichever side changes.
+    """Keeps ROS 2 parameters and EdgeVox's controls equal, whichever side changes.
 
-    A value that cannot be honoured is refused by the result of the set call, with the reason.
+    The set call refuses a value that cannot be used, with the reason.
     """
 
     def __init__(self, node: Node, executor: Executor, controls: Controls, bus: Bus) -> None:
@@ -163,7 +162,7 @@ def _controls_of(parameters: Sequence[RosParameter]) -> dict[str, Value]:
 
 
 class BridgePart(Protocol):
-    """One concern of the bridge, served from its making to `close`."""
+    """A part of the bridge, active from its construction to `close`."""
 
     def close(self) -> None: ...
 
@@ -174,15 +173,19 @@ class Refuses(Protocol):
 
     @property
     def refusals(self) -> Mapping[tuple[str, ...], int]:
-        """How many were refused, by topic and reason."""
+        """The number of refused messages, by topic and reason."""
 
 
 class RosBridge:
-    """EdgeVox as a ROS 2 node: what `contract` promises, served until `close`.
+    """EdgeVox as a ROS 2 node: serves everything in `contract`, until `close`.
 
-    What comes at a rate is ticked by what `tickers` makes: one for all, one for the camera, and one
-    for /diagnostics, which must say it when a body keeps the first one waiting.
-    Raises `RosBridgeFailed` where ROS 2 does not work or a parameter cannot be honoured.
+    Args:
+        context: The objects of EdgeVox that it connects.
+        ros_args: Arguments for ROS 2; by default the process's own.
+        tickers: Makes a ticker by name: one for periodic messages, one for the camera, and one for
+            /diagnostics, which must report a body that blocks the first.
+
+    Raises `RosBridgeFailed` if ROS 2 does not work or a parameter cannot be used.
     """
 
     def __init__(
@@ -219,14 +222,14 @@ class RosBridge:
 
     @property
     def refusals(self) -> Mapping[tuple[str, ...], int]:
-        """How many messages were refused, by topic and reason."""
+        """The number of refused messages, by topic and reason."""
         parts: tuple[object, ...] = (*self._parts, self._body)
         refusing = [part for part in parts if isinstance(part, Refuses)]
         return {which: count for part in refusing for which, count in part.refusals.items()}
 
     @property
     def components(self) -> Sequence[Component]:
-        """What says how it is."""
+        """The components that report their status."""
         return (ExecutorComponent(self._counts), self._presence)
 
     def _counts(self) -> ExecutorCounts:
@@ -284,7 +287,7 @@ class RosBridge:
         backlog: Backlog,
     ) -> Interop:
         def run_skill(name: str, arguments: Mapping[str, Any], mark: int) -> None:
-            """At once, as a program's goal; where nobody runs those, as a command."""
+            """Run the skill at once, as a program's goal; without goals, as a command."""
             if context.goals:
                 context.goals.start_goal(name, arguments, way=Way.GOAL_POSE, mark=mark)
             else:

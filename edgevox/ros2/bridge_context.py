@@ -1,4 +1,4 @@
-"""What a bridge is connected to, on EdgeVox's side. Knows nothing of rclpy."""
+"""The objects of EdgeVox that a bridge connects to ROS 2. Does not import rclpy."""
 
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
@@ -22,26 +22,29 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class BridgeContext:
-    """Events come from `bus`, commands go to `submit`, which raises `InvalidValue`.
-
-    `body` and `goals` belong to an agent that has a body; without one there is neither
-    `robot_state` nor `agent_event`, no robot's topics and no action. `audio_in` is filled from a
-    topic, `audio_out` is sent to one. `components` say how they are. `interlock` is
-    engaged while another agent of the namespace moves the robot. `guard` is asked of velocities and
-    of what comes on `command`; of goals the one who runs them asks. `handle` is lent the node, for
-    skills.
-    """
+    """EdgeVox's side of a bridge."""
 
     settings: Settings
     bus: Bus
+    """Source of the events that go out."""
     submit: Submit
+    """Takes each command; raises `InvalidValue`."""
     controls: Controls
     queries: Queries
     body: Body | None = None
+    """None for an agent without a robot: then there are no `robot_state`, `agent_event`, robot
+    topics or action."""
     goals: StartsGoals | None = None
+    """Runs the skills of `execute_skill`; None without a body."""
     audio_in: Pushed | None = None
+    """Filled from the topic `audio_in`."""
     audio_out: Relay | None = None
+    """Sent to the topic `audio_out`."""
     components: Components | None = None
+    """The components that report their status."""
     interlock: Interlock = field(default_factory=Interlock)
+    """Engaged while another agent of the namespace moves the robot."""
     guard: Guard = field(default_factory=Guard)
+    """The policy for velocities and for `command`; goals are judged by `goals`."""
     handle: "AgentNodeHandle | None" = None
+    """Lends the node to skills."""

@@ -1,4 +1,4 @@
-"""What the bridge says of itself: the components `executor` and `presence`. Without rclpy."""
+"""The bridge's status: the components `executor` and `presence`. Does not import rclpy."""
 
 from collections.abc import Callable
 from dataclasses import asdict, dataclass
@@ -18,21 +18,25 @@ from edgevox.core.status import (
 
 @dataclass(frozen=True, slots=True)
 class ExecutorCounts:
-    """How ROS 2's callbacks are served: for how long one has held up all others, how many raised,
-    the longest that one had to wait in the last minute; what failed beside them.
-    """
+    """The condition of the node's threads."""
 
     stalled_s: float = 0.0
+    """Seconds for which one callback has held up all others."""
     failed_callbacks: int = 0
+    """Callbacks that raised."""
     lag_s: float = 0.0
+    """The longest wait of a callback in the last minute, in seconds."""
     failed_ticks: int = 0
+    """Periodic jobs that raised."""
     failed_images: int = 0
+    """Pictures that could not be taken."""
 
 
 class ExecutorComponent:
-    """A callback that holds up the others is a warning, later an error; so is one that failed.
+    """Status of the executor: a callback that holds up the others is a warning, later an error.
 
-    `missing` says why it is not on ROS 2; empty if it is.
+    A failed callback is a warning, too. `missing` is the reason why the node is not on ROS 2; empty
+    if it is.
     """
 
     name = ComponentName.EXECUTOR
@@ -48,7 +52,7 @@ class ExecutorComponent:
         )
 
     def status(self) -> Status:
-        """How it is now."""
+        """Return the current status."""
         now = self._look()
         found = stall(now.stalled_s, "a callback holds up all others: the node has")
         if self._missing:
@@ -61,14 +65,15 @@ class ExecutorComponent:
 
 @dataclass(frozen=True, slots=True)
 class Sharing:
-    """Who shares a namespace: the agent's own id there, the `others` in words, and whether it
-    `yields`, which is to refuse to move because one of them is in charge.
-    """
+    """The agents that share a namespace."""
 
     namespace: str
     id: str
+    """This agent's id there."""
     others: tuple[str, ...] = ()
+    """The other agents, in words."""
     yields: bool = False
+    """True if this agent refuses to move because another one is in charge."""
 
     def status(self) -> Status:
         """Another agent is a warning; to refuse to move for its sake is an error."""

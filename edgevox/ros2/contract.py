@@ -51,7 +51,7 @@ from edgevox.ros2.messages import write
 from edgevox.ros2.standard_topics import INTEROP
 
 Queries = Mapping[str, Callable[[], Mapping[str, Any]]]
-"""What answers each query, by its name."""
+"""Functions that answer queries, by name."""
 
 NODE_NAME = "edgevox"
 RECORDER_NODE = "edgevox_recorder"
@@ -109,7 +109,7 @@ QUERIES: Mapping[str, tuple[str, ...]] = {
     "model_info": ("language", "voice", "stt", "llm", "tts"),
     "list_programs": ("programs",),
 }
-"""What can be asked, on `command` or as a Trigger service, and the keys of the answer."""
+"""The queries, on `command` or as a Trigger service, and the keys of their answers."""
 
 COMMANDS: Mapping[str, Incoming] = {
     "reset": Reset(),
@@ -118,7 +118,7 @@ COMMANDS: Mapping[str, Incoming] = {
     **{name: Query(name) for name in QUERIES},
     "cancel_programs": CancelProgram(),
 }
-"""What the `command` topic understands."""
+"""The words that the topic `command` understands."""
 
 CANCEL_PROGRAM = "cancel_program"
 """A command that is followed by the id of a program."""
@@ -210,7 +210,7 @@ DIAGNOSTICS = Periodic(
     1.0,
     "status of each component: " + ", ".join(ComponentName),
 )
-"""Of every agent, with a robot and without: an extra for who watches over robots."""
+"""Published by every agent, with a robot or without: an addition for monitoring."""
 
 PRESENCE = Shared(
     "presence",
@@ -226,12 +226,12 @@ TAKE_OVER = Shared(
     "the id of the agent that moves the robot from now on; all others halt",
 )
 SHARED: tuple[Shared, ...] = (PRESENCE, TAKE_OVER)
-"""Which of several agents on one namespace moves the robot: an extra, additions only."""
+"""Topics that settle which of several agents on one namespace moves the robot: pure additions."""
 
 Rated = Published | StandardTopic | Shared | Periodic
 _OURS: tuple[Rated, ...] = (*PUBLISHED, *INTEROP, *SHARED, DIAGNOSTICS)
 RATED: tuple[Rated, ...] = tuple(row for row in _OURS if row.rate_hz)
-"""What comes at a rate."""
+"""The rows that are published at a rate."""
 
 ACTION = ("execute_skill", "edgevox_msgs/action/ExecuteSkill")
-"""Its name and type."""
+"""The action's name and type."""

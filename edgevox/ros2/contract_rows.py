@@ -1,4 +1,4 @@
-"""What a row of the contract is, before anything is promised."""
+"""The row types of the contract, which `contract` fills."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -51,7 +51,7 @@ def reliable(depth: int) -> QosSpec:
 
 
 def latched(depth: int) -> QosSpec:
-    """Never lost, and said again to whoever joins."""
+    """Never lost, and repeated to late subscribers."""
     return QosSpec(reliable=True, transient_local=True, depth=depth)
 
 
@@ -79,25 +79,26 @@ class Published:
     qos: Qos
     event: type | UnionType
     encode: Callable[[Any], str | float]
+    """Returns the message's ``data`` for an event."""
     about: str
     type: str = STRING
     rate_hz: float = 0.0
+    """0 for a topic that publishes when there is an event."""
 
 
 @dataclass(frozen=True, slots=True)
 class Subscribed:
-    """A topic whose strings become commands by `decode`, which raises `InvalidValue`.
-
-    `verbs`: what comes is the name of what is to be done, which the policy may forbid by that name.
-    What others carry is judged where it is understood.
-    """
+    """A topic whose strings become commands."""
 
     topic: str
     qos: Qos
     decode: Callable[[str], Incoming]
+    """Returns the command; raises `InvalidValue`."""
     about: str
     type: str = STRING
     verbs: bool = False
+    """True if the strings name actions, which the policy may forbid by name. Other topics'
+    content is judged where it is understood."""
 
 
 @dataclass(frozen=True, slots=True)

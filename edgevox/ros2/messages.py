@@ -1,7 +1,4 @@
-"""Poses as ROS writes them.
-
-JSON that every parser reads, whatever the numbers in it.
-"""
+"""Conversions to ROS 2 messages: poses, and JSON that every parser reads, whatever its numbers."""
 
 import json
 import math
@@ -15,11 +12,11 @@ from std_msgs.msg import Header
 from edgevox.core.transforms import Pose3D
 
 _ENCODER = json.JSONEncoder(ensure_ascii=False, allow_nan=False, default=str)
-"""One for all: `json.dumps` makes a new one each time that it is told how."""
+"""The shared encoder: `json.dumps` makes a new one for each call with options."""
 
 
 def write(data: Mapping[str, Any]) -> str:
-    """A JSON object that every parser reads: what is not finite becomes null."""
+    """Write a JSON object that every parser reads: a number that is not finite becomes null."""
     try:
         text = _ENCODER.encode(data)
         text.encode()
@@ -49,7 +46,7 @@ def pose_msg(pose: Pose3D) -> Pose:
 
 
 def transform_msg(parent: str, child: str, pose: Pose3D, stamp: Time) -> TransformStamped:
-    """Where the child is in the parent."""
+    """Build the transform from the parent to the child."""
     return TransformStamped(
         header=header(parent, stamp),
         child_frame_id=child,
@@ -66,7 +63,7 @@ def pose_of(message: Pose) -> Pose3D:
 
 
 def pose_of_transform(message: Transform) -> Pose3D:
-    """Where a transform puts the child in the parent; its quaternion as it is."""
+    """Return the child's pose in the parent; the quaternion is copied unchecked."""
     p, q = message.translation, message.rotation
     return Pose3D(p.x, p.y, p.z, q.x, q.y, q.z, q.w)
 

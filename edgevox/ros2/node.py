@@ -1,21 +1,19 @@
 """The node: its rclpy context, its name, and the thread that spins it.
 
-How Fast DDS, the usual middleware of ROS 2, is set up before a node of ours is made.
+`choose_profile` sets up Fast DDS, the usual middleware of ROS 2, before a node is made. By default
+it hands messages of the same machine over in shared memory, and throws away messages for a process
+that has not looked for a second: frozen, or starved of the processor. The sender tries again with
+its next heartbeat, up to 3 s later; for so long a "stop" was lost. So EdgeVox's nodes ask to be
+written to by UDP: the kernel keeps messages until they look. They still write to others in shared
+memory.
 
-By itself it hands messages of the same machine over in shared memory, and throws away what is for
-a process that has not looked for a second: frozen, or starved of the processor. The sender tries
-again with its next heartbeat, up to 3 s later; for so long a "stop" was lost. So our nodes ask to
-be written to by UDP: the kernel keeps what arrives until they look. They still write to others in
-shared memory.
+A heartbeat, kept by the working thread, tells a watching thread how long ago the last beat was.
 
-A sign of life: whoever does the work beats, whoever watches asks how long ago that was.
-
-A node that looks for incompatible peers once in a while, not with every message.
-
-rclpy gives each publisher and each subscription an event handler, which warns of a peer whose QoS
-or type does not fit, and its executor prepares and checks all of them whenever it wakes: with some
-fifty topics that was half of the work of an answer. Here they are looked at when `look` is called,
-together; they warn as ever, a moment later.
+`QuietNode` looks for incompatible peers once in a while, not with every message. rclpy gives each
+publisher and each subscription an event handler, which warns of a peer whose QoS or type does not
+fit, and its executor prepares and checks all of them whenever it wakes: with some fifty topics that
+was half of the work of an answer. Here they are looked at together, when `look` is called; they
+warn as ever, a moment later.
 """
 
 import math
@@ -55,16 +53,16 @@ PROFILE = Path(__file__).with_name("fast_dds.xml")
 READ_BY_FAST_DDS = "FASTRTPS_DEFAULT_PROFILES_FILE"
 """The variable that the Fast DDS of ROS 2 Jazzy reads."""
 GIVEN = "FASTDDS_DEFAULT_PROFILES_FILE"
-"""Its name from Fast DDS 3 on, and in our reference: it counts here, too."""
+"""The variable's name from Fast DDS 3 on, and in the reference: EdgeVox reads it, too."""
 TRANSPORTS = "FASTDDS_BUILTIN_TRANSPORTS"
 _WITH_UDP = ("", "DEFAULT", "UDPv4")
 
 
 def choose_profile(environment: MutableMapping[str, str] = os.environ) -> None:
-    """Have the next nodes of this process made with our profile, or with the one somebody gave.
+    """Use EdgeVox's profile for the next nodes of this process, or the user's own.
 
-    Somebody who chose transports without plain UDP gets what they chose, and no profile of ours.
-    Must be called before the first node is made; other middlewares do not look at it.
+    A user who chose transports without plain UDP gets those, and no profile of EdgeVox. Call it
+    before the first node is made; other middlewares ignore it.
     """
     if environment.get(READ_BY_FAST_DDS):
         return
@@ -122,7 +120,7 @@ class QuietNode(Node):
         super().__init__(*args, **options)
 
     def look(self) -> None:
-        """Call those whose event has come; on the executor's thread, in a timer."""
+        """Call the handlers whose event has come; on the executor's thread, in a timer."""
         context = self.context.handle
         if context is None:
             return
@@ -138,7 +136,7 @@ class QuietNode(Node):
             one.callback(what)
 
     def add_waitable(self, waitable: Waitable) -> None:
-        """Where rclpy adds the handlers of every publisher and subscription it creates."""
+        """Collect the event handlers that rclpy adds for every publisher and subscription."""
         if isinstance(waitable, EventHandler):
             self._events.append(waitable)
         else:
@@ -170,7 +168,7 @@ def _enters(held: ExitStack, handler: EventHandler) -> bool:
 
 
 BEAT_S = 1.0
-"""How often the executor gives a sign of life; each costs it about 1 ms."""
+"""Seconds between two signs of life of the executor; each costs it about 1 ms."""
 
 
 class RosBridgeFailed(EdgeVoxError):
@@ -180,7 +178,7 @@ class RosBridgeFailed(EdgeVoxError):
 class RosNode:
     """Owns an rclpy node. One thread runs all of its callbacks, so none of them may block.
 
-    Raises `RosBridgeFailed` where the context or the node cannot be made.
+    Raises `RosBridgeFailed` if the context or the node cannot be made.
     """
 
     def __init__(
@@ -224,7 +222,7 @@ class RosNode:
 
     @property
     def stalled_s(self) -> float:
-        """For how long a callback holds up all others; infinite if the thread has ended by itself.
+        """Seconds for which a callback has held up all others; infinite if the thread died.
 
         0 before `start` and after `close`.
         """
@@ -244,7 +242,7 @@ class RosNode:
         self.node.look()
 
     def _init(self, ros_args: list[str]) -> None:
-        """Where a program's lines go to one stream, ROS 2 must not write its own beside it."""
+        """Start the context; ROS 2 writes no lines of its own if EdgeVox's go to one stream."""
         quiet = ["--ros-args", "--disable-stdout-logs"] if self._lines else []
         self._context.init([*ros_args, *quiet])
         apply_log_levels(ros_args)

@@ -14,19 +14,19 @@ if TYPE_CHECKING:
 
 
 class Bridge(Protocol):
-    """What an app does with a bridge."""
+    """A bridge as an app uses it."""
 
     @property
     def where(self) -> str:
-        """Where to find it, for people."""
+        """The bridge's address, for people."""
 
     @property
     def components(self) -> Sequence[Component]:
-        """What says how it is."""
+        """The components that report their status."""
 
     @property
     def refusals(self) -> Mapping[tuple[str, ...], int]:
-        """How many messages were refused, by topic and reason."""
+        """The number of refused messages, by topic and reason."""
 
     def start(self) -> None: ...
 
@@ -43,10 +43,10 @@ class NullBridge:
     components: Sequence[Component] = (ExecutorComponent(ExecutorCounts, missing),)
 
     def start(self) -> None:
-        """There is nothing to start."""
+        """Do nothing."""
 
     def close(self) -> None:
-        """There is nothing to close."""
+        """Do nothing."""
 
 
 def open_bridge(context: BridgeContext, ros_args: Sequence[str] = ()) -> Bridge:
@@ -68,7 +68,7 @@ def open_bridge(context: BridgeContext, ros_args: Sequence[str] = ()) -> Bridge:
 
 
 def open_node_handle() -> "AgentNodeHandle | None":
-    """What a bridge lends its node to, for skills; None where rclpy cannot be imported."""
+    """Open the handle that lends a bridge's node to skills; None if rclpy cannot be imported."""
     try:
         from edgevox.ros2.clients.agent_node_handle import AgentNodeHandle
     except ModuleNotFoundError:

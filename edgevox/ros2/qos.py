@@ -5,11 +5,11 @@ from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPo
 from edgevox.ros2.contract_rows import Qos, QosSpec
 
 INTERFACE_DEPTH = 10
-"""So many messages of an interface of the robot's own may wait."""
+"""Messages of a robot's own interface that may wait."""
 
 
 def profile(qos: Qos | QosSpec, *, at_least: int = 0) -> QoSProfile:
-    """One of them, with room for `at_least` so many messages."""
+    """Convert a quality of service, with room for at least `at_least` messages."""
     spec = qos.value if isinstance(qos, Qos) else qos
     return QoSProfile(
         history=HistoryPolicy.KEEP_LAST,
@@ -22,9 +22,9 @@ def profile(qos: Qos | QosSpec, *, at_least: int = 0) -> QoSProfile:
 
 
 def interface_profile(*, latched: bool, heard: bool) -> QoSProfile:
-    """For a topic that is no part of the contract, of a robot whose qualities nobody knows.
+    """Return the profile for a robot's own topic, whose quality of service is unknown.
 
-    Best effort hears everybody; what is latched is kept, and so reliable.
+    Best effort matches every publisher; a latched topic is kept, and therefore reliable.
     """
     if latched:
         return profile(QosSpec(depth=1, reliable=True, transient_local=True))

@@ -1,6 +1,6 @@
 """The action `execute_skill`: one skill, run for a program, with feedback, a result and cancel.
 
-Notices that a client is gone: ROS 2 does not tell a server that its client died.
+`ClientWatch` notices that a client is gone: ROS 2 does not tell a server that its client died.
 """
 
 import threading
@@ -46,16 +46,16 @@ log = get_logger(__name__)
 
 LOOK_EVERY_S = 0.5
 GRACE_S = 2.0
-"""How long the graph must be without a client; discovery may lag behind the first request."""
+"""Seconds without a client in the graph; discovery may lag behind the first request."""
 
 
 class ClientWatch:
-    """Calls `gone` when a service has had no client at all for a while, as long as it looks.
+    """Calls `gone` when a service has had no client at all for a while.
 
     The graph counts a service's clients and does not name them: while another client of the same
-    service lives, the death of one is not seen. A client that leaves is missed at once, one that
-    was killed when the middleware gives it up, with Fast DDS after 20 s. All calls on the
-    executor's thread.
+    service lives, the death of one is not seen. The graph drops a client that leaves at once, and a
+    killed one when the middleware gives it up, with Fast DDS after 20 s. Call it on the executor's
+    thread.
     """
 
     def __init__(self, node: Node, service: str, gone: Callable[[], None]) -> None:
@@ -95,7 +95,7 @@ FEEDBACK_EVERY_S = 0.05
 REQUESTS = QoSProfile(depth=100)
 """ROS 2's own 10 would lose the eleventh request of a burst, and its client would wait for ever."""
 CLOSING_S = 1.0
-"""How long `close` waits for what the executor still has to do."""
+"""Seconds that `close` waits for the executor's remaining work."""
 
 
 class _ActionRun:
@@ -129,9 +129,9 @@ class _Server(ActionServer):
 class SkillAction:
     """Serves `execute_skill` on a node whose executor runs in one thread.
 
-    No callback blocks. A goal has the same id here and in `agent_event`, in hexadecimal. It ends as
-    canceled when its client, a newer goal, a sentence that moves the robot, a stop word, an
-    interrupt or the end of its client ends it; as aborted when the skill fails.
+    No callback blocks. A goal has the same id here and in `agent_event`, in hexadecimal. A goal
+    ends as aborted when the skill fails. It ends as canceled by its client, a newer goal, a
+    sentence that moves the robot, a stop word, an interrupt, or the end of its client.
     """
 
     def __init__(
@@ -297,7 +297,7 @@ def open_skill_action(
 
 
 def _result(end: GoalChanged | GoalCancelled) -> Mapping[str, Any]:
-    """What a skill returned; of one that failed, the code of its reason and what that is about."""
+    """Return the skill's result, or a failure's code with its values."""
     if isinstance(end, GoalCancelled):
         return {}
     if end.reason is None:

@@ -1,4 +1,4 @@
-"""What the words on the wire of `execute_skill` mean; knows nothing of rclpy."""
+"""The request and answer texts of `execute_skill`, without rclpy."""
 
 from collections.abc import Mapping
 from typing import Any, Protocol
@@ -23,7 +23,7 @@ class RunningGoal(Protocol):
 
 
 class StartsGoals(Protocol):
-    """Who runs skills; the conversation does. Both raise `EdgeVoxError` with the reason."""
+    """Runs skills, as the conversation does. Both methods raise `EdgeVoxError` with the reason."""
 
     def check_goal(
         self,

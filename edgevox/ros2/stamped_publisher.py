@@ -1,7 +1,7 @@
-"""Publishes what changes seldom and is said often: only its stamp is new.
+"""A publisher for messages that rarely change: a repeated message gets only a new stamp.
 
-To fill in a message and to serialise it costs more than to send it. What is said again is sent as
-it was serialised the first time, with another stamp in its bytes.
+Filling in and serialising a message costs more than sending it. A repeated message is sent as it
+was serialised the first time, with another stamp in its bytes.
 """
 
 import struct
@@ -20,7 +20,7 @@ Make = Callable[[Time], Any]
 """Makes a message that has this stamp wherever it has one."""
 _STAMP = struct.Struct("=iI")
 _HEADER_BYTES, _ALIGNED_BYTES = 4, 4
-"""What stands before a serialised message, and where in it a stamp may begin."""
+"""The bytes before a serialised message, and the alignment at which its stamp begins."""
 _MARKS = (Time(sec=0x01020304, nanosec=0x05060708), Time(sec=0x11121314, nanosec=0x15161718))
 
 

@@ -22,15 +22,15 @@ from rclpy.clock import Clock
 
 NS_PER_S = 1_000_000_000
 WINDOW_NS = NS_PER_S
-"""How long the body must lag behind the offset until the offset gives way."""
+"""The body's lag behind the offset must last this long before the offset moves."""
 LAG_NS = 50_000_000
 """A lag up to this, a step or two of the body, is none."""
 
 
 class TimeOffset:
-    """Nanoseconds from the body's time to a clock's. Call `align` before `lay`.
+    """The nanoseconds from the body's time to a clock's. Call `align` before `lay`.
 
-    As long as neither time jumps, what `lay` gives for a growing time never decreases and is never
+    As long as neither time jumps, `lay` never decreases for a growing time, and never gives a time
     in the clock's future.
     """
 
@@ -41,7 +41,7 @@ class TimeOffset:
         self._least_lag_ns = 0
 
     def align(self, body_ns: int, now_ns: int) -> None:
-        """Both times at one moment."""
+        """Take both times at one moment."""
         lag_ns = 0 if self._offset_ns is None else now_ns - body_ns - self._offset_ns
         if self._offset_ns is None or body_ns < self._body_ns or lag_ns > WINDOW_NS:
             self._move_to(now_ns - body_ns, now_ns)

@@ -1,7 +1,7 @@
 """The standard topics of the contract: of a body, of a robot that is driven, and of sound.
 
-Each row says how surely and how often it comes, once: whoever serves it, listens to it or records
-it reads that here.
+Each row gives a topic's rate and quality of service, once for its publisher, its subscribers and
+its recorder.
 """
 
 from collections.abc import Mapping
@@ -145,7 +145,7 @@ EXTERNAL: tuple[StandardTopic, ...] = (
 """The topics of a robot that `robot-external` drives, in that robot's namespace."""
 DRIVEN: Mapping[str, StandardTopic] = {row.topic: row for row in EXTERNAL}
 NAV2_ACTION = "navigate_to_pose"
-"""By which it drives where there is Nav2, in the same namespace."""
+"""The action that drives the robot if Nav2 runs, in the same namespace."""
 
 AUDIO: tuple[StandardTopic, ...] = (
     StandardTopic(
@@ -165,5 +165,5 @@ AUDIO: tuple[StandardTopic, ...] = (
         "--audio-out ros2",
     ),
 )
-"""Sound on the wire, when the settings ask for it."""
+"""Topics of sound, if the settings ask for them."""
 AUDIO_IN, AUDIO_OUT = AUDIO

@@ -1,8 +1,8 @@
-"""Where frames are in each other: the transforms of `/tf` and `/tf_static`, remembered for a while.
+"""A transform buffer: `/tf` and `/tf_static`, remembered for a while. Does not import ROS.
 
-The one buffer of both sides: of a robot's own frames, for peers who ask where they were, and of the
-frames of a robot that is only heard. As tf2's, but that nothing is interpolated: a pose is the
-nearest in time that is remembered. Frame ids are compared without a leading slash. No ROS here.
+It serves both sides: the robot's own frames, for peers that ask for a past pose, and the frames of
+a robot that is only heard. It works like tf2's, without interpolation: a pose is the remembered one
+nearest in time. Frame ids are compared without a leading slash.
 """
 
 import threading
@@ -18,7 +18,7 @@ from edgevox.core.transforms import IDENTITY, MAP, Pose3D, compose, inverse
 KEPT = 300
 """Poses of each frame that are remembered: 10 s at 30 Hz, as tf2 does."""
 AHEAD_NS = 500_000_000
-"""How far another machine's clock may be ahead of the newest pose."""
+"""The most by which another machine's clock may be ahead of the newest pose."""
 MOST_FRAMES = 2000
 FURTHEST_FRAME_M = 1e7
 """Frames may be as far apart as the earth's middle and a map on it (REP 105)."""
@@ -30,7 +30,7 @@ FOR_GOOD = -1
 
 @dataclass(frozen=True, slots=True)
 class FramePose:
-    """Where a frame is in its parent."""
+    """The pose of a frame in its parent."""
 
     parent: str
     child: str
@@ -38,7 +38,7 @@ class FramePose:
 
 
 class _Sample(NamedTuple):
-    """Where a frame was."""
+    """A remembered pose of a frame in its parent."""
 
     stamp_ns: int
     parent: str
@@ -46,10 +46,10 @@ class _Sample(NamedTuple):
 
 
 class _Climb(NamedTuple):
-    """A frame and all above it, each with where the first one is in it.
+    """A frame and all frames above it, each with the first frame's pose in it.
 
-    `remembered_ns` is the oldest and newest stamp of the frame whose parent at that time is not
-    remembered, where that is why it ends.
+    `remembered_ns` is the oldest and newest stamp of the frame at which the climb ended, if its
+    parent at the wanted time is not remembered.
     """
 
     seen_from: Mapping[str, Pose3D]
@@ -82,14 +82,14 @@ class TfBuffer:
             return tuple(sorted(past, key=lambda one: past[one][-1].stamp_ns == FOR_GOOD))
 
     def knows(self, frame: str) -> bool:
-        """Whether a transform has placed this frame."""
+        """Return whether a transform has placed this frame."""
         with self._lock:
             return plain(frame) in self._past
 
     def lookup(self, target: str, source: str, stamp_ns: int = NOW) -> Pose3D | None:
-        """Where `source` was in `target` at a stamp; None if no chain joins them.
+        """Return the pose of `source` in `target` at a stamp; None if no chain joins them.
 
-        Raises `InvalidValue` for a stamp of which no more, or nothing yet, is remembered.
+        Raises `InvalidValue` for a stamp that is no longer, or not yet, remembered.
         """
         with self._lock:
             up = self._climb(plain(source), stamp_ns)

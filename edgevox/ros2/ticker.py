@@ -1,8 +1,8 @@
-"""Things to do at rates, all on one thread.
+"""A ticker: jobs at fixed rates, all on one thread.
 
 A timer of rclpy would wake the executor, which then looks at every entity of the node: about 1 ms
-of CPU each time. A thread costs a twentieth of that, and publishing from it is allowed. What is due
-at one moment is done in one waking: to wake costs more than most of what is done then.
+of CPU each time. A thread costs a twentieth of that, and publishing from it is allowed. Jobs due at
+the same time share one waking, since waking costs more than most of the jobs.
 """
 
 import threading
@@ -14,9 +14,9 @@ from edgevox.core.log import get_logger, worth_a_line
 log = get_logger(__name__)
 
 MakeTicker = Callable[[str], "Ticker"]
-"""Makes one by the name of its thread: for whoever needs one of his own."""
+"""Makes a ticker by the name of its thread, for a part that needs its own."""
 TOGETHER_S = 0.001
-"""What is due within this time is done at once."""
+"""Jobs due within this time run together."""
 
 
 class _TickerJob:
@@ -26,18 +26,17 @@ class _TickerJob:
         self.tick, self.period_s, self.due_s = tick, period_s, due_s
 
     def advance(self, now_s: float) -> None:
-        """It was done for the moment at which it was due; those that were missed are skipped."""
+        """Set the next due time; missed ones are skipped."""
         missed = max(0.0, now_s - self.due_s) // self.period_s
         self.due_s += (missed + 1) * self.period_s
 
 
 class Ticker:
-    """Does jobs, each every so many seconds of real time, from `start` to `close`.
+    """Runs jobs, each at its period of real time in seconds, on one thread from `start` to `close`.
 
-    A rate does not drift. A tick that comes too late is skipped, not made up for. One that raises
-    is counted in `failures`, logged, and the next one comes. Jobs should be quick: one that is not
-    makes the others late. Whoever turns the clock calls `begin` and then `tick` instead of
-    `start`.
+    A rate does not drift. A late tick is skipped, not made up for. A tick that raises is counted in
+    `failures` and logged, and the next one comes. Jobs should be quick, because a slow one delays
+    the others. A test that turns the clock calls `begin` and then `tick` instead of `start`.
     """
 
     def __init__(self, name: str, clock: Clock | None = None) -> None:
@@ -68,7 +67,7 @@ class Ticker:
             job.due_s = now_s
 
     def tick(self) -> float | None:
-        """Do what is due; the seconds until something is again, None if nothing ever is."""
+        """Run the due jobs; return the seconds until the next one, None without any."""
         now_s = self._clock.now()
         for job in self._jobs:
             if job.due_s <= now_s + TOGETHER_S:

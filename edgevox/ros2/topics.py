@@ -30,8 +30,8 @@ _TYPES: dict[str, Any] = {STRING: String, "std_msgs/msg/Float32": Float32}
 class Topics:
     """Serves the rows of `PUBLISHED` and `SUBSCRIBED` on a node.
 
-    The body, if there is one, is asked for its state as often as the settings say, on the ticker.
-    `refusals` counts by topic and reason the messages that were no valid command, or forbidden.
+    The ticker reads the body's state, if there is a body, at the rate of the settings. `refusals`
+    counts invalid and forbidden messages by topic and reason.
     """
 
     def __init__(

@@ -1,10 +1,7 @@
-"""Sound as it goes through EdgeVox: mono, 16 bit; 16 kHz in frames of 32 ms on the way in.
+"""Sound as EdgeVox carries it: mono, 16 bit; input at 16 kHz in frames of 32 ms.
 
-How loud sound is.
-
-Sound in pieces of any size, cut into frames that know when they were heard.
-
-The level that a person sees while the robot hears.
+Also here: the loudness of sound, a framer for pieces of any size, which gives each frame the time
+at which it was heard, and the level meter that a person sees while the robot hears.
 """
 
 from collections.abc import Callable, Iterator
@@ -32,9 +29,9 @@ class EndOfSound(EdgeVoxError):
 
 
 class UtteranceOver(EdgeVoxError):
-    """Who speaks into a source has let go of it; what comes next does not follow on that.
+    """The speaker has let go of a source; the sound that comes next does not follow on the last.
 
-    If `abandoned` they are gone, and what was being said does not count.
+    If `abandoned`, the speaker is gone and the unfinished utterance does not count.
     """
 
     def __init__(self, source: str, *, abandoned: bool) -> None:
@@ -44,14 +41,13 @@ class UtteranceOver(EdgeVoxError):
 
 @dataclass(frozen=True, slots=True)
 class Frame:
-    """`FRAME_SAMPLES` samples at `RATE_HZ`; `end_s` is the clock's time of the last one.
-
-    What is `addressed` is said to the robot, by a button that is held, and needs no wake word.
-    """
+    """`FRAME_SAMPLES` samples at `RATE_HZ`."""
 
     samples: Samples
     end_s: float
+    """The clock's time of the last sample, in seconds."""
     addressed: bool = False
+    """True while the speaker holds a talk button: the speech needs no wake word."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -97,7 +93,7 @@ class AudioSink(Protocol):
         """Silence within 0.1 s, whatever was still to be played; seconds that were not played."""
 
     def audible(self) -> float:
-        """How loud it plays at this moment: root mean square, 0 (silent) to 1."""
+        """The root mean square of the sound that plays at this moment, 0 (silent) to 1."""
 
     def close(self) -> None: ...
 

@@ -1,8 +1,9 @@
 """The machine's sound devices, by name.
 
 PortAudio, below sounddevice, is one for the whole process and lists the devices only when it
-starts. So who opens a stream says so with `in_use`, and `look_again` starts PortAudio anew only
-while nobody does: it would pull the loudspeaker from under the speech output to find a microphone.
+starts. Therefore code that opens a stream marks it with `in_use`, and `look_again` restarts
+PortAudio only while no stream is in use: a restart would cut the loudspeaker off to find a
+microphone.
 """
 
 import threading
@@ -17,7 +18,7 @@ from edgevox.core.process.extras import install_extra
 Kind = Literal["input", "output"]
 
 RETRY_S = 3.0
-"""How long a device that is not there is left alone."""
+"""Seconds before a missing device is tried again."""
 
 _WORDS: Mapping[Kind, str] = {"input": "microphone", "output": "loudspeaker"}
 
@@ -28,7 +29,7 @@ class DeviceMissing(EdgeVoxError):
 
 @dataclass(frozen=True, slots=True)
 class Device:
-    """A sound device: PortAudio's number for it, and what it does by itself."""
+    """A sound device: PortAudio's number for it, and its own properties."""
 
     index: int
     name: str
@@ -37,7 +38,7 @@ class Device:
 
 
 class _Uses:
-    """How many streams this process has."""
+    """A count of the streams that this process has open."""
 
     def __init__(self) -> None:
         self.lock = threading.Lock()
@@ -61,7 +62,10 @@ def in_use() -> Iterator[None]:
 
 @contextmanager
 def portaudio_errors() -> Iterator[None]:
-    """What PortAudio raises becomes `DeviceMissing`: it is tried again like what is not there."""
+    """Turn PortAudio's errors into `DeviceMissing`.
+
+    So a failing device is tried again, like a missing one.
+    """
     sounddevice = _sounddevice()
     try:
         yield
@@ -70,7 +74,10 @@ def portaudio_errors() -> Iterator[None]:
 
 
 def is_active(stream: Any) -> bool:
-    """Whether PortAudio still serves this stream; a device that is gone may fail to say so."""
+    """Return whether PortAudio still serves this stream.
+
+    A device that is gone may fail to say so.
+    """
     try:
         with portaudio_errors():
             return bool(stream.active)
@@ -79,7 +86,7 @@ def is_active(stream: Any) -> bool:
 
 
 def look_again() -> None:
-    """Notice what was plugged in or out, unless a stream is in use."""
+    """Look for devices that were plugged in or out, unless a stream is in use."""
     sounddevice = _sounddevice()
     with _uses.lock:
         if not _uses.count:
@@ -94,9 +101,9 @@ def devices(kind: Kind) -> list[Device]:
 
 
 def find(name: str, kind: Kind) -> Device:
-    """The device whose name this is, or contains this; the default one for an empty name.
+    """Return the device whose name this is, or contains this; the default one for an empty name.
 
-    Raises `DeviceMissing`, which names those that are there.
+    Raises `DeviceMissing`, which names the present ones.
     """
     found = devices(kind)
     if not name:

@@ -1,4 +1,4 @@
-"""Where speech begins and where it ends: a state machine over frames, nothing else."""
+"""The endpointer: finds where speech begins and ends, a state machine over frames."""
 
 from collections import deque
 from collections.abc import Mapping
@@ -10,24 +10,24 @@ from edgevox.core.speech import Ending
 from edgevox.voice.audio import FRAME_S, Frame, Samples
 
 VOICED = 0.5
-"""From this probability on a frame is voiced."""
+"""A frame is voiced from this probability on."""
 UNVOICED = 0.35
 """Below it a frame of speech is a pause; in between, it goes on as it was."""
 ONSET_FRAMES = 5
-"""So many voiced frames (0.16 s) begin speech: a click or a cough is shorter, "no" is longer."""
+"""Voiced frames that begin speech (0.16 s): a click or a cough is shorter, "no" is longer."""
 ONSET_WINDOW = 7
-"""They must lie within so many frames."""
+"""The onset's voiced frames must lie within this many frames."""
 PRE_ROLL_S = 0.3
 """Heard before the first voiced frame: consonants are quiet."""
 SURMISED_S = 0.8
-"""So much before it may be spoken already, where that is not known at once."""
+"""Seconds before the first known voice in which speech may already have begun (`surmised`)."""
 SURMISED_GAP = 3
-"""So many frames of it may hold no voice."""
+"""Frames without a surmised voice that end the search for an earlier beginning."""
 END_S = 0.6
-"""So much silence ends an utterance: people pause for less within a sentence."""
+"""Silence that ends an utterance: people pause for less within a sentence."""
 GOES_ON_S = 1.0
-"""Who speaks again within so long after what was ended by its words speaks on: few pause for longer
-than 0.8 s within a sentence, and what ends or begins softly is no voice for 0.1 s more."""
+"""Speech within this long after an utterance that its words ended continues it: few pauses
+within a sentence exceed 0.8 s, and a soft end or beginning is no voice for 0.1 s more."""
 ENDS_AFTER_S: Mapping[Ending, float] = {
     Ending.FINAL: 0.0,
     Ending.WHOLE: 0.0,
@@ -35,39 +35,41 @@ ENDS_AFTER_S: Mapping[Ending, float] = {
     Ending.OPEN: GOES_ON_S,
     Ending.BROKEN_OFF: 1.5,
 }
-"""How much silence ends an utterance, by its words. They take a part of it to be understood."""
+"""Silence that ends an utterance, by how its words end. Speech to text takes a part of it."""
 POST_ROLL_S = 0.2
 """Silence that is kept at its end."""
 EARLY_S = 0.2
-"""After so much silence the utterance may be over, and what will be given is complete already: at
-least the post-roll."""
+"""Silence after which the utterance may be over: its sound is complete by then, at least with
+the post-roll."""
 MAX_S = 30.0
-"""The longest utterance, as long as Whisper can hear at once; who speaks on begins a new one."""
+"""The longest utterance, as long as Whisper can hear at once; longer speech begins a new one."""
 
 
 @dataclass(frozen=True, slots=True)
 class SpeechBegan:
-    """Somebody speaks, since `began_s` (the clock's time of the first voiced sample)."""
+    """A person began to speak."""
 
     began_s: float
+    """The clock's time of the first voiced sample, in seconds."""
 
 
 @dataclass(frozen=True, slots=True)
 class SpeechEnded:
-    """An utterance, from `began_s` to `ended_s`, the times of its first and last voiced sample.
-
-    `samples` has the pre-roll and the post-roll around them. `cut` if it was as long as may be.
-    """
+    """A whole utterance."""
 
     samples: Samples
+    """The sound, with the pre-roll and the post-roll."""
     began_s: float
+    """The clock's time of the first voiced sample, in seconds."""
     ended_s: float
+    """The clock's time of the last voiced sample, in seconds."""
     cut: bool = False
+    """True if it reached the longest duration (`MAX_S`), or the sound ended first."""
 
 
 @dataclass(frozen=True, slots=True)
 class SpeechPaused:
-    """Somebody fell silent; if nothing more is said, this is what `SpeechEnded` will give."""
+    """The speaker fell silent; unless speech goes on, `SpeechEnded` will hold the same."""
 
     samples: Samples
     began_s: float
@@ -88,10 +90,11 @@ Signal = SpeechBegan | SpeechPaused | SpeechEnded | SpeechWentOn
 
 
 class Endpointer:
-    """Give it every frame with its probability of voice; it gives back what happened by it.
+    """Turns frames and their voice probabilities into the beginning, pauses and end of speech.
 
-    Silence ends an utterance. How much may be told for each pause (`end_after`), by whoever knows
-    the words. What ended by them may go on after all.
+    Silence ends an utterance after `end_s` seconds, or, once its words are known, after the silence
+    that `end_after` sets for this pause. An utterance that its words ended may still go on
+    (`SpeechWentOn`). `max_s` is the longest utterance in seconds.
     """
 
     def __init__(self, *, end_s: float = END_S, max_s: float = MAX_S) -> None:
@@ -118,13 +121,13 @@ class Endpointer:
 
     @property
     def paused_at(self) -> float | None:
-        """When the last voice of the utterance was heard, if somebody has fallen silent since."""
+        """The clock's time of the last voice, if the speaker has fallen silent since; else None."""
         return self._ended_s if self._speaking and self._pause else None
 
     def end_after(self, silence_s: float, *, revocable: bool = False) -> None:
-        """End the utterance after so much silence, counted from its last voice, for this pause.
+        """End the utterance after this silence, counted from its last voice, for this pause.
 
-        If `revocable` it goes on should somebody speak within `GOES_ON_S`.
+        If `revocable`, speech within `GOES_ON_S` continues it.
         """
         self._wanted_frames = round(silence_s / FRAME_S)
         self._revocable = revocable
@@ -135,15 +138,17 @@ class Endpointer:
         return self._speaking
 
     def push(self, frame: Frame, probability: float, *, surmised: bool = False) -> Signal | None:
-        """Take the next frame. If a voice in it is `surmised`, what is said may have begun there,
-        once it is known that somebody speaks.
+        """Take the next frame.
+
+        If a voice in it is `surmised`, speech may have begun there, once it is known that a person
+        speaks.
         """
         if self._speaking:
             return self._during(frame, probability)
         return self._idle(frame, probability, surmised)
 
     def finish(self) -> SpeechEnded | None:
-        """There are no more frames: the utterance that was going on, if any."""
+        """End the input: return the unfinished utterance, if any."""
         return self._end(cut=True) if self._speaking and self._frames else None
 
     def _idle(
@@ -171,7 +176,10 @@ class Endpointer:
         return SpeechBegan(self._began_s)
 
     def _first(self) -> int:
-        """How many frames ago what is said began: where a voice is known first, or surmised."""
+        """Return how many frames ago the speech began.
+
+        Where a voice is known first, or surmised.
+        """
         first = len(self._voiced) - list(self._voiced).index(True)
         surmised = [one for _, one in reversed(self._before)]
         latest = min(len(surmised), first + round(SURMISED_S / FRAME_S))

@@ -1,7 +1,7 @@
-"""Who speaks to the robot where others speak, too: louder than what is heard of them.
+"""The voice detector for the person who speaks to the robot: louder than the voices behind.
 
-A detector of voices finds one in every frame of a canteen, so that nothing that is said there ever
-ends. Here a voice counts only where it stands out of the voices behind it.
+A plain voice detector finds a voice in every frame of a canteen, so that no utterance there ever
+ends. Here a voice counts only if it stands out of the voices behind it.
 """
 
 from collections import deque
@@ -12,24 +12,25 @@ from edgevox.voice.audio import FRAME_S, Samples
 from edgevox.voice.vad import SileroVad, VoiceDetector
 
 ABOVE_DB = 4.5
-"""By so much somebody is louder than the voices behind them. Chosen with the voices, rooms and
-babble to train with (`training/acoustics`): at 5 dB 92 of 100 commands begin and end where they
+"""Decibels by which the speaker must exceed the voices behind. Chosen with the voices, rooms and
+babble to train with (`training/acoustics`): at 5 dB, 92 of 100 commands begin and end where they
 do; with 4 dB some do not end, with 6 dB a fourth is lost."""
 SMOOTHED_FRAMES = 8
 """Loudness is that of 0.25 s: many voices together rise and fall quickly."""
 REMEMBERED_FRAMES = round(8.0 / FRAME_S)
 LEAST_FRAMES = round(1.0 / FRAME_S)
-"""What is behind is not judged by less."""
+"""Fewest frames of background (1 s) that set its level."""
 QUIETEST = 8
-"""The quietest eighth of what is remembered is what is behind: one person alone pauses for more."""
+"""The quietest eighth of the remembered frames is the background: a single speaker pauses for
+more."""
 VOICES = 0.5
-"""If the quietest frames hold a voice by so much, voices are behind; noise and quiet change nothing
-of what the detector says."""
+"""The background holds voices from this probability in its quietest frames on; noise and quiet
+change nothing."""
 _ABOVE = 10 ** (ABOVE_DB / 10)
 
 
 class ForegroundVad:
-    """What the detector says, but 0 for voices that do not stand out of those behind them."""
+    """The detector's probability, but 0 for voices that do not stand out of those behind them."""
 
     def __init__(self, vad: VoiceDetector) -> None:
         self._vad = vad
@@ -37,11 +38,11 @@ class ForegroundVad:
 
     @property
     def any_voice(self) -> float:
-        """How likely the last frame holds a voice, of whomever."""
+        """The probability that the last frame holds a voice, of any person."""
         return self._vad.any_voice
 
     def probability(self, samples: Samples) -> float:
-        """How likely the frame holds the voice of somebody near, 0 to 1."""
+        """Return the probability that the frame holds the voice of a person nearby, 0 to 1."""
         found = self._vad.probability(samples)
         self._powers.append(float(np.mean(np.square(samples, dtype=np.float32))))
         power = sum(self._powers) / len(self._powers)
@@ -73,5 +74,5 @@ class ForegroundVad:
 
 
 def open_vad() -> VoiceDetector:
-    """What the robot listens with: Silero's, for who speaks to it."""
+    """Open the robot's voice detector: Silero's, behind the foreground test."""
     return ForegroundVad(SileroVad())

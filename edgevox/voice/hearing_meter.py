@@ -1,4 +1,4 @@
-"""What a microphone hears, in figures: level, noise floor, signal to noise, clipping, voice."""
+"""A microphone's measurements: level, noise floor, signal to noise, clipping, voice."""
 
 from collections import deque
 from collections.abc import Callable
@@ -17,24 +17,25 @@ CLIPPED_FROM = 32_700
 
 @dataclass(frozen=True, slots=True)
 class HearingReading:
-    """Levels in decibels of full scale, of the last `WINDOW_S`. `floor_db` is None where nobody
-    fell silent, `signal_to_noise_db` where nobody spoke, too.
-
-    `voice` is the highest probability of a voice since the reading before.
-    """
+    """Levels of the last `WINDOW_S`, in decibels of full scale."""
 
     heard_s: float
+    """Seconds of sound so far."""
     level_db: float
     floor_db: float | None
+    """The noise floor; None without frames of silence."""
     signal_to_noise_db: float | None
+    """None without a noise floor or without speech."""
     clipped_share: float
+    """The share of samples at full scale, 0 to 1."""
     voice: float
+    """The highest probability of a voice since the last reading."""
 
 
 class HearingMeter:
-    """Implements `VoiceDetector` by another one, and measures all that it is given.
+    """A `VoiceDetector` around another one that measures all the sound that passes.
 
-    `show` is called with it after each frame, on the thread that gave the frame.
+    `show` is called with the meter after each frame, on the thread that gave the frame.
     """
 
     def __init__(
@@ -52,7 +53,7 @@ class HearingMeter:
 
     @property
     def heard_s(self) -> float:
-        """How much sound it was given."""
+        """Seconds of sound that passed."""
         return self._frames * FRAME_S
 
     @property
@@ -81,7 +82,7 @@ class HearingMeter:
         return self._vad.another()
 
     def reading(self) -> HearingReading:
-        """How it is now. Call it from the thread that gives the frames."""
+        """Return the current measurements. Call it from the thread that gives the frames."""
         if not self._levels:
             return HearingReading(0.0, SILENT_DB, None, None, 0.0, 0.0)
         voice, self._voice = self._voice, 0.0

@@ -1,7 +1,4 @@
-"""The listener: from a source of sound to commands for the conversation.
-
-Handing on what was heard to whoever may break.
-"""
+"""The listener: turns a source of sound into commands for the conversation."""
 
 import threading
 from collections.abc import Callable
@@ -48,7 +45,10 @@ log = get_logger(__name__)
 
 
 class Telling:
-    """Submits commands: whoever breaks on one is counted and logged, and gets what follows."""
+    """Submits commands.
+
+    An error of the receiver is counted and logged, and the next command follows.
+    """
 
     def __init__(self, submit: Callable[[Command], None]) -> None:
         self._submit = submit
@@ -64,26 +64,43 @@ class Telling:
 
 READ_S = 0.25
 STALLED_S = 1.0
-"""A source that gives nothing for so long has ended the utterance that was going on."""
+"""A source that gives nothing for this long ends the current utterance."""
 
 
 class Listener:
-    """Listens on a thread of its own and understands on another.
+    """Hears a source of sound, on one thread, and transcribes it on another.
 
-    `submit` gets, from these threads: `Transcribing` and `Heard` for each utterance; `Interrupt`,
-    without motion, as soon as somebody speaks over the robot; `StopSpotted` as soon as the
-    `stop_detector` hears a stop word, with a wake word or without. While `muted()` nothing is heard
-    at all, nor its level published. `audible()` is how loud the robot itself speaks now, `saying()`
-    what, `played` its sound, for an `echo` that is cancelled. With a wake word only what follows it
-    is taken, see `wake_gate`; `is_stop` tells whether words stop the robot, `ending` whether who
-    said them and fell silent has ended. Without it, in a file, and where nobody said the wake word,
-    a fixed silence ends an utterance. With it a plain command is `Heard` at once; if the person
-    speaks on within `GOES_ON_S`, `SpokenOn` takes that back, and the whole is `Heard` later. To
-    wait instead would make every command late for the few that go on; to do both parts would do now
-    what may be for later ("go to the kitchen, in ten minutes").
+    Submits, from these threads: `Transcribing` and then `Heard` for each utterance; `Interrupt`,
+    without motion, as soon as a person speaks over the robot; `StopSpotted` as soon as
+    `stop_detector` hears a stop word, with a wake word or without.
 
-    `lossless` waits for the transcriber instead of refusing what it cannot keep up with: for files,
-    never for a microphone.
+    A fixed silence ends an utterance unless `ending` judges its words. With `ending`, a plain
+    command is `Heard` at once; if the person speaks on within `GOES_ON_S`, `SpokenOn` takes it
+    back, and the whole utterance is `Heard` later. Waiting instead would delay every command for
+    the few that go on; acting on both parts would do now what may be meant for later ("go to the
+    kitchen, in ten minutes").
+
+    Args:
+        source: Where the sound comes from.
+        vad: Tells voiced frames.
+        stt: Turns utterances into words.
+        submit: Takes each command; its errors are logged and counted.
+        bus: Gets `WakeWordHeard` and the sound level.
+        language: The ISO 639-1 code of the language that is spoken now.
+        muted: While True, nothing is heard and no level is published.
+        audible: How loud the robot itself plays now, root mean square, 0 to 1.
+        wakeword: Detects the wake word; speech without it is ignored, see `wake/gate.py`. None
+            takes all speech.
+        is_stop: Whether these words stop the robot.
+        stop_detector: Spots stop words in the sound, before the utterance ends.
+        saying: What the robot says now, so that it does not stop itself.
+        ending: Judges by its words whether an utterance is complete. None, in a file, and where the
+            wake word is missing: a fixed silence.
+        echo: How the robot's own voice is kept out: "cancel", "gate" or "none".
+        played: The robot's own sound, the reference for "cancel".
+        lossless: Wait for the transcriber instead of refusing utterances that it cannot keep up
+            with. For files, never for a microphone.
+        clock: The time of the frames; the system's by default.
     """
 
     def __init__(
@@ -146,22 +163,22 @@ class Listener:
 
     @property
     def alive(self) -> bool:
-        """Whether its threads work, unless that is over by design or was not begun yet."""
+        """Whether its threads run; also True before `start` and after an orderly end."""
         over = self._closing.is_set() or self._heard_all or self._thread.ident is None
         return (over or self._thread.is_alive()) and self._transcriber.alive
 
     @property
     def failed(self) -> int:
-        """How many pieces of sound were not heard, or heard and not taken, for a bug."""
+        """Pieces of sound that were lost to an error, or commands that were not taken."""
         return self._unheard + self._tell.failed
 
     @property
     def transcriber(self) -> Transcriber:
-        """What makes words of what is heard."""
+        """The thread that turns utterances into words."""
         return self._transcriber
 
     def close(self) -> None:
-        """Stop listening; what is being understood is understood, what waits is forgotten."""
+        """Stop listening; finish the transcription in progress, and forget the waiting ones."""
         self._closing.set()
         self._source.close()
         if self._thread.is_alive():
@@ -196,7 +213,10 @@ class Listener:
             self._went_well(self._forget)
 
     def _went_well(self, attend: Callable[[], None]) -> bool:
-        """Whether it broke nothing; what did is counted and logged, and hearing goes on."""
+        """Return whether `attend` succeeded.
+
+        An error is counted and logged, and hearing goes on.
+        """
         try:
             attend()
         except Exception:
@@ -256,7 +276,10 @@ class Listener:
             self._endpointer.end_after(ENDS_AFTER_S[ending], revocable=plain)
 
     def _listen_for_stop_word(self, frame: Frame, *, loud: bool) -> None:
-        """By what no gate has cut: the beginning of a word counts."""
+        """Spot stop words in the sound before the echo gate.
+
+        The gate would cut a word's beginning.
+        """
         if self._stops and self._stops.heard(
             frame.samples, self._voices.any_voice, playing=self._echo.playing, loud=loud
         ):
@@ -264,7 +287,7 @@ class Listener:
             self._tell(StopSpotted(frame.end_s, self._stops.word, goes_on=self._spotted))
 
     def _tell_spotted(self, now_s: float) -> None:
-        """The utterance in which a stop word was spotted is over, and nobody looks at its words."""
+        """End the utterance in which a stop word was spotted; its words do not count."""
         self._spotted = False
         self._tell(Transcribing())
         self._tell(Heard("", now_s, spotted=True))
@@ -286,7 +309,7 @@ class Listener:
             self._tell(Interrupt("spoken over", motion=False, cause=Cause.BARGE_IN))
 
     def _is_addressed(self, began_s: float) -> bool:
-        """Whether what is said since then needs no wake word."""
+        """Return whether speech since then needs no wake word."""
         return self._wakeword is None or self._addressed_s > began_s + FRAME_S / 2
 
     def _take(self, speech: SpeechEnded) -> None:
@@ -298,7 +321,7 @@ class Listener:
         self._understand(job)
 
     def _job(self, speech: SpeechEnded | SpeechPaused) -> TranscriptionJob | None:
-        """What is to be understood of it, if it is over."""
+        """Return the transcription job for this speech, or None if it is not for the robot."""
         if self._wakeword is None or self._is_addressed(speech.began_s):
             return TranscriptionJob(speech.samples, speech.began_s, speech.ended_s)
         match self._wake_gate.judge(speech):
@@ -318,7 +341,7 @@ class Listener:
         self._spotted = self._spotted and not taken
 
     def _finish(self) -> None:
-        """What comes next does not follow on what was heard, which is over."""
+        """End the utterance that is going on: the next sound does not follow on it."""
         if speech := self._endpointer.finish():
             self._take(speech)
         self._forget()
@@ -340,5 +363,5 @@ class Listener:
 
 
 def _is_somebody(sound: Unechoed, probability: float) -> bool:
-    """Whether a voice is in it that is not the robot's own."""
+    """Return whether the sound holds a person's voice, not the robot's own."""
     return probability >= VOICED if sound.cancelled else bool(sound.voice.any())

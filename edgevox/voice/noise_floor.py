@@ -1,4 +1,4 @@
-"""How loud it is where nobody speaks, and by how much a voice stands out of it."""
+"""The noise floor while nobody speaks, and how far a voice stands out of it."""
 
 import math
 from collections import deque
@@ -8,21 +8,22 @@ import numpy as np
 from edgevox.voice.audio import FRAME_S, Samples, rms
 
 SILENT_DB = -96.0
-"""What 16 bits can hold least: nothing is quieter."""
+"""The quietest level that 16 bits can hold."""
 WINDOW_S = 10.0
-"""The floor is that of the last so many seconds."""
+"""The floor is that of the last seconds."""
 NO_VOICE = 0.3
 """Below this probability of a voice a frame tells of the floor."""
 FLOOR_SHARE = 0.75
-"""Of such frames so many stay below it: what knocks or beeps now and then is noise, too."""
+"""Share of the quiet frames that lie below the floor: knocks and beeps are noise, too."""
 LEAST_FRAMES = 8
-"""From fewer frames without a voice nothing is known: where many talk at once there are none."""
+"""Fewest frames without a voice that give a floor: where many people talk at once there are
+none."""
 LOUD_S, LOUD_SHARE = 1.0, 0.9
-"""What is said is as loud as this share of the last so many seconds stays below."""
+"""Speech is as loud as the level below which this share of the last second's frames lies."""
 
 
 class NoiseFloor:
-    """Told every frame of what is heard, it knows the floor, and what stands out of it now."""
+    """Tracks the floor from frames of sound, and how far the latest speech stands out of it."""
 
     def __init__(self) -> None:
         self._quiet: deque[float | None] = deque(maxlen=round(WINDOW_S / FRAME_S))
@@ -36,19 +37,19 @@ class NoiseFloor:
         return level_db
 
     def reset(self) -> None:
-        """What comes next does not follow on what was before."""
+        """Forget the sound so far: the next frame does not follow on it."""
         self._quiet.clear()
         self._levels.clear()
 
     @property
     def floor_db(self) -> float | None:
-        """In dB of full scale; None where too little was heard without a voice."""
+        """The floor in dB of full scale; None until enough sound without a voice was heard."""
         quiet = [level_db for level_db in self._quiet if level_db is not None]
         return float(np.quantile(quiet, FLOOR_SHARE)) if len(quiet) >= LEAST_FRAMES else None
 
     @property
     def stands_out_db(self) -> float | None:
-        """By how much what was just said is louder than the floor; None where that is not known."""
+        """Decibels by which the latest speech exceeds the floor; None while that is unknown."""
         floor_db = self.floor_db
         if floor_db is None:
             return None
@@ -56,5 +57,5 @@ class NoiseFloor:
 
 
 def decibels(level: float) -> float:
-    """Of full scale, of a root mean square from 0 to 1."""
+    """Convert a root mean square, 0 to 1, to decibels of full scale."""
     return max(SILENT_DB, 20 * math.log10(level)) if level > 0.0 else SILENT_DB

@@ -20,16 +20,17 @@ Voices = Callable[[], Sequence[VoiceChoice]]
 
 
 class Pool(Protocol):
-    """Where loaded voices come from."""
+    """A source of loaded voices."""
 
     def get(self, choice: VoiceChoice) -> Synthesiser:
         """The voice, loaded and warm. Raises what its engine raises."""
 
 
 class SentenceSynthesiser:
-    """Asks for the voice before every sentence, so a change is heard with the next one.
+    """Synthesises sentences with the wanted voice, and with another one if that fails.
 
-    Used from one thread, but for the properties. `failures` counts what engines could not do.
+    It looks up the voice before every sentence, so a change is heard with the next one. Used from
+    one thread, except for its properties. `failures` counts failed syntheses.
     """
 
     def __init__(self, voices: Voices, pool: Pool, *, clock: Clock | None = None) -> None:
@@ -40,7 +41,7 @@ class SentenceSynthesiser:
         self.last: tuple[VoiceChoice, int] | None = None
         """The voice that spoke last or was prepared, and its rate in hertz."""
         self.fault = ""
-        """Why the last sentence was not spoken, though it should have been."""
+        """The reason why the last sentence was not spoken; empty if it was."""
 
     def prepare(self) -> None:
         """Load the present voice; what fails is logged, and the next one is loaded."""

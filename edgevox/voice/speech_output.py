@@ -20,12 +20,13 @@ from edgevox.voice.spoken_answer import SpeakingUtterance, play_chunk
 log = get_logger(__name__)
 
 MOST_SENTENCES = 256
-"""How many sentences may wait to be synthesised; one more is not spoken."""
+"""The most sentences that may wait to be synthesised; one more is not spoken."""
 MOST_AHEAD_S = 20.0
-"""How much sound may wait to be played before the synthesis waits for it."""
+"""Seconds of sound that may wait to be played before the synthesis pauses."""
 
 SENTENCES_SAID = 3
-"""So many sentences count as what is being said: short ones are over before their echo is."""
+"""The number of latest sentences that count as being said: a short one is over before its echo
+is."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,7 +56,7 @@ class _Prepare:
 class SpeechOutput:
     """A `TextToSpeech`. `begin` may be called from any thread; every utterance must be finished.
 
-    Who made the sink closes it, after this.
+    The maker of the sink closes it, after this.
     """
 
     def __init__(
@@ -85,7 +86,7 @@ class SpeechOutput:
 
     @property
     def alive(self) -> bool:
-        """Whether its threads work, unless they were not started yet or were closed."""
+        """Whether its threads run; also True before they are started and after they are closed."""
         return self._closed or all(one.ident is None or one.is_alive() for one in self._threads)
 
     def saying(self) -> str:
@@ -225,7 +226,7 @@ class SpeechOutput:
             self._played = (*self._played[1 - SENTENCES_SAID :], sentence)
 
     def _next_sound(self) -> _Sound | _End | None:
-        """What to play next; None if something else happened."""
+        """Return the next sound to play; None if the output was closed or the utterance cut."""
         with self._changed:
             self._changed.wait_for(lambda: self._sounds or self._closed or self._any_cut())
             if self._closed or self._any_cut() or not self._sounds:
@@ -265,7 +266,10 @@ class SpeechOutput:
             return 0.0
 
     def _survive(self, what: str) -> None:
-        """Nobody may wait for ever for a turn because a loudspeaker or a voice broke."""
+        """Count and log an error.
+
+        An utterance must not wait for ever for a broken voice or loudspeaker.
+        """
         self.failed += 1
         if worth_a_line(self.failed):
             log.exception("mouth_failed", what=what, failed=self.failed)

@@ -1,10 +1,8 @@
 """One answer on its way to the loudspeaker.
 
-How far an utterance got: what was made of each sentence, and what of it was played.
-
-What was heard of a sentence that was cut.
-
-Playing a chunk so that what was heard of it is known to a tenth of a second.
+It records how much of each sentence was synthesised and played, works out the words that were heard
+of a sentence that was cut, and plays a chunk so that the words heard are known to a tenth of a
+second.
 """
 
 import re
@@ -41,7 +39,8 @@ def cut_text(sentence: str, share: float, *, spaced: bool = True) -> str:
 
 
 _CHAR_S, _UNSPACED_CHAR_S = 0.07, 0.2
-"""How long a character takes to say, where nothing better is known."""
+"""Seconds that a character takes to say, before any synthesis has measured it: in scripts with
+spaces, and in those without."""
 
 
 @dataclass(slots=True)
@@ -58,7 +57,7 @@ class _SpokenLine:
     whole: bool = False
 
     def share(self, played_s: float) -> float:
-        """How much of the sentence was heard, 0 to 1."""
+        """Return the share of the sentence that was heard, 0 to 1."""
         if played_s <= 0.0:
             return 0.0
         char_s = _CHAR_S if self.spaced else _UNSPACED_CHAR_S
@@ -88,19 +87,19 @@ class SpokenLog:
             return self._lines[line].sentence
 
     def expect(self, line: int, chars: int, *, spaced: bool) -> None:
-        """So many characters are to be synthesised for the rest of this sentence."""
+        """Expect this many characters to be synthesised for the rest of the sentence."""
         with self._lock:
             self._lines[line].chars_left = chars
             self._lines[line].spaced = spaced
 
     def made(self, line: int, seconds: float, silent_end_s: float) -> None:
-        """A piece of sound is there, with so much silence at its end."""
+        """Record a synthesised piece, and the silence at its end."""
         with self._lock:
             self._lines[line].made_s += seconds
             self._lines[line].silent_end_s = silent_end_s
 
     def said(self, line: int, chars: int) -> None:
-        """All sound of so many characters is there."""
+        """Record that all sound of this many characters is synthesised."""
         with self._lock:
             self._lines[line].made_chars += chars
             self._lines[line].chars_left = max(0, self._lines[line].chars_left - chars)
@@ -111,12 +110,12 @@ class SpokenLog:
             self._lines[line].whole = True
 
     def played(self, line: int, seconds: float) -> None:
-        """So much of it was given to the sink."""
+        """Record that this much of the sentence was given to the sink."""
         with self._lock:
             self._lines[line].given_s += seconds
 
     def text(self, unplayed_s: float = 0.0) -> str:
-        """What was heard, if the last `unplayed_s` of what the sink was given was not."""
+        """Return the words that were heard, if the sink's last `unplayed_s` were not."""
         heard: list[str] = []
         with self._lock:
             for line in reversed(self._lines):
@@ -142,7 +141,7 @@ class SpeakingUtterance:
     ) -> None:
         self.token = token.child()
         self.ids = bound_now()
-        """What the lines about it belong to: the turn."""
+        """Log context of its log lines: the turn that it belongs to."""
         self.log = SpokenLog()
         self.synthesis_s = 0.0
         self._on_audible = on_audible
@@ -161,7 +160,7 @@ class SpeakingUtterance:
 
     @property
     def settled(self) -> bool:
-        """Whether it is known what became of it; nothing of it is played any more."""
+        """Whether its outcome is known; none of it plays any more."""
         return self._settled.is_set()
 
     def audible(self, start_s: float) -> None:
@@ -175,7 +174,7 @@ class SpeakingUtterance:
             log.exception("first_sound_unheeded")
 
     def settle(self, *, cut: bool, unplayed_s: float = 0.0) -> None:
-        """Nothing more of it will be played."""
+        """Record the outcome: none of it will be played any more."""
         self._spoken = Spoken(
             self.log.text(unplayed_s),
             cut=cut,
@@ -188,7 +187,7 @@ class SpeakingUtterance:
 
 PIECE_S = 0.1
 _QUIET = 300
-"""About a hundredth of full scale: softer than that, nobody hears it."""
+"""About a hundredth of full scale: softer sound is inaudible."""
 
 
 def play_chunk(chunk: Chunk, line: int, utterance: SpeakingUtterance, sink: AudioSink) -> None:
@@ -205,12 +204,12 @@ def play_chunk(chunk: Chunk, line: int, utterance: SpeakingUtterance, sink: Audi
 
 
 def silent_end_s(chunk: Chunk) -> float:
-    """How many seconds of silence it ends with."""
+    """Return the seconds of silence at the chunk's end."""
     loud = loud_at(chunk.samples)
     speech = int(loud[-1]) + 1 if len(loud) else 0
     return (len(chunk.samples) - speech) / chunk.rate_hz
 
 
 def loud_at(samples: Samples) -> np.ndarray[tuple[int], np.dtype[np.intp]]:
-    """Where it can be heard, shape (n,), indices."""
+    """Return the indices of the audible samples, shape (n,)."""
     return np.flatnonzero(np.abs(samples.astype(np.int32)) > _QUIET)

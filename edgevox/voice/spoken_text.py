@@ -1,6 +1,7 @@
 """Text made fit to be spoken: no markup, no addresses, no pictures, numbers that read well.
 
-A long sentence in phrases, so that its first words are heard while the rest is synthesised.
+A long sentence is split into phrases, so that its first words are heard while the rest is
+synthesised.
 """
 
 import re
@@ -13,7 +14,7 @@ _CLAUSE = re.compile(r"(?<=[,;:—–،؛])\s+|(?<=[、，；：])")  # noqa: RU
 _LEAST_CHARS = 12
 _LONGEST_CHARS = 240
 _WIDE = "\N{CJK RADICAL REPEAT}"
-"""From here on a character is a syllable or a word, and counts as three."""
+"""From this character on, each is a syllable or a word, and counts as three."""
 
 
 def split_phrases(sentence: str, length: int) -> list[str]:

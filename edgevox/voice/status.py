@@ -1,4 +1,4 @@
-"""What hearing and speaking say of themselves: the components `audio`, `stt` and `tts`."""
+"""The status of hearing and speaking: the components `audio`, `stt` and `tts`."""
 
 from edgevox.core.clock import Clock
 from edgevox.core.controls import Controls
@@ -11,7 +11,8 @@ from edgevox.voice.speech_output import SpeechOutput
 from edgevox.voice.stt.speech_to_text import SpeechToText
 
 SLOW_S = 3.0
-"""Who waits longer to be understood, and longer than he spoke, says it again."""
+"""A person who waits longer than this to be understood, and longer than they spoke, says it
+again."""
 ESPEAK = "espeak"
 
 
@@ -40,7 +41,7 @@ class AudioComponent:
         )
 
     def status(self) -> Status:
-        """How it is now."""
+        """Return the current status."""
         source_fault, sink_fault = fault_of(self._source), fault_of(self._sink)
         faults = {check.name: check.said() for check in self.checks}
         faults |= {"microphone": source_fault, "loudspeaker": sink_fault}
@@ -68,7 +69,10 @@ class AudioComponent:
 
 
 class SttComponent:
-    """What could not be understood for a fault is an error, being slow or flooded a warning."""
+    """Status of speech to text: an utterance lost to a fault is an error.
+
+    Slowness or a flood, a warning.
+    """
 
     name = "stt"
     checks: tuple[HealthCheck, ...] = ()
@@ -80,7 +84,7 @@ class SttComponent:
         self._failing, self._refusing = RecentIncrease(clock), RecentIncrease(clock)
 
     def status(self) -> Status:
-        """How it is now."""
+        """Return the current status."""
         last_s, sound_s = self._transcriber.last or (None, None)
         failed, refused = self._transcriber.failed, self._transcriber.refused
         language, found = self._controls.language, []
@@ -108,7 +112,10 @@ class SttComponent:
 
 
 class TtsComponent:
-    """Another voice than the one that was asked for is a warning; so is one that failed."""
+    """Status of text to speech.
+
+    Another voice than the wanted one, or a failed voice, is a warning.
+    """
 
     name = "tts"
     checks: tuple[HealthCheck, ...] = ()
@@ -124,7 +131,7 @@ class TtsComponent:
         self._failing = RecentIncrease(clock)
 
     def status(self) -> Status:
-        """How it is now."""
+        """Return the current status."""
         synthesiser, found = self._speech_output.synthesiser, []
         voices = LANGUAGES[self._controls.language].voices
         asked = next((one for one in voices if self._controls.voice in ("", one.name)), voices[0])

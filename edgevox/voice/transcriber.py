@@ -1,4 +1,4 @@
-"""Turning utterances into words, one after the other, on a thread of its own."""
+"""The transcriber: turns utterances into words, one after the other, on its own thread."""
 
 import threading
 from collections import deque
@@ -17,28 +17,29 @@ from edgevox.voice.wake.gate import without_phrase
 log = get_logger(__name__)
 
 MAX_WAITING = 8
-"""So many utterances may wait. One more is refused, counted and said."""
+"""The most utterances that may wait. One more is refused, counted and reported."""
 
 
 @dataclass(frozen=True, slots=True)
 class TranscriptionJob:
-    """An utterance to understand, with the clock's times of its first and last voiced sample.
-
-    `phrase` is the wake word that stands at its beginning, if any; with `only_stop` it counts only
-    if it tells the robot to stop. A stop word was `spotted` in it if its sound was heard.
-    """
+    """An utterance to transcribe."""
 
     samples: Samples
     began_s: float
+    """The clock's time of the first voiced sample, in seconds."""
     ended_s: float
+    """The clock's time of the last voiced sample, in seconds."""
     phrase: str = ""
+    """The wake word at its beginning, if any."""
     only_stop: bool = False
+    """Whether it counts only if it tells the robot to stop."""
     spotted: bool = False
+    """Whether a stop word was spotted in its sound."""
 
 
 @dataclass(frozen=True, slots=True)
 class _Words:
-    """What was said until `ended_s`, in a language, and how long it took to find out."""
+    """A transcript, of the speech until `ended_s`, and the seconds that it took."""
 
     said: Transcript
     ended_s: float
@@ -48,12 +49,12 @@ class _Words:
 
 
 class Transcriber:
-    """Submits `Transcribing` and then `Heard` for each utterance, always in turns.
+    """Submits `Transcribing` and then `Heard` for each utterance, always in this order.
 
-    An utterance that may be over is understood while the silence lasts that ends it; if it was,
-    its words are there already. One with `only_stop` submits `Heard` alone, and only if `is_stop`
-    finds a stop word in it; if one was spotted, without words if it does not. `submit`
-    never raises.
+    An utterance that may be over is transcribed during the silence that ends it, so that its words
+    are ready by then. A job with `only_stop` submits `Heard` alone, and only if `is_stop` finds a
+    stop word; if one was spotted by its sound, then without words if `is_stop` does not. `submit`
+    must not raise.
     """
 
     def __init__(
@@ -89,11 +90,11 @@ class Transcriber:
 
     @property
     def alive(self) -> bool:
-        """Whether its thread works, unless it was not started yet or was closed."""
+        """Whether its thread runs; also True before it is started and after it is closed."""
         return self._closed or self._thread.ident is None or self._thread.is_alive()
 
     def close(self) -> None:
-        """Forget what waits; wait for what is being understood."""
+        """Forget the waiting jobs; finish the one in progress."""
         with self._changed:
             self._closed = True
             self._early = None
@@ -132,12 +133,15 @@ class Transcriber:
             return free
 
     def ending_at(self, ended_s: float) -> Ending | None:
-        """How the words end that were said until then; None while they are not known."""
+        """Return how the words that were said until then end; None while they are unknown."""
         guess = self._guess
         return guess.ending if guess and guess.ended_s == ended_s else None
 
     def wait_idle(self, timeout_s: float | None = None) -> bool:
-        """Block until what was, or may be, an utterance is understood; False after a timeout."""
+        """Block until every utterance, even a possible one, is transcribed.
+
+        False after a timeout.
+        """
         with self._changed:
             return self._changed.wait_for(self._is_idle, timeout_s)
 
@@ -190,7 +194,7 @@ class Transcriber:
             self._submit(heard)
 
     def _judged(self, words: "_Words") -> "_Words":
-        """With how they end; what cannot be judged is open."""
+        """Return the words with their ending; open if it cannot be judged."""
         try:
             return replace(words, ending=self._ending(words.said.text))
         except Exception:
@@ -198,7 +202,7 @@ class Transcriber:
             return words
 
     def _words(self, job: TranscriptionJob) -> "_Words":
-        """What was said, and how long it took to find out."""
+        """Transcribe the job and measure how long it takes."""
         began_s, language = self._clock.now(), self._language()
         said = self._transcribe(job, language)
         took_s = self._clock.now() - began_s
@@ -221,6 +225,6 @@ class Transcriber:
 
 
 def _after(phrase: str, said: Transcript) -> Transcript:
-    """What follows the wake word in all that may have been said."""
+    """Return the transcript after the wake word, in every hypothesis."""
     others = tuple(replace(one, text=without_phrase(one.text, phrase)) for one in said.others)
     return replace(said, text=without_phrase(said.text, phrase), others=others)

@@ -1,4 +1,4 @@
-"""Is somebody speaking? Silero's voice activity detector, a frame at a time."""
+"""Voice activity detection: Silero's network, a frame at a time."""
 
 import functools
 from importlib import util
@@ -16,23 +16,23 @@ _STATE = (1, 1, 128)
 
 
 class VoiceDetector(Protocol):
-    """Looks at one frame after the other.
+    """Judges one frame after the other.
 
-    `any_voice` is how likely the last one held a voice, 0 to 1, near or far: `probability` may
-    leave out those that do not speak to the robot.
+    `any_voice` is the probability, 0 to 1, that the last frame held a voice, near or far;
+    `probability` may leave out voices that do not speak to the robot.
     """
 
     @property
     def any_voice(self) -> float: ...
 
     def probability(self, samples: Samples) -> float:
-        """How likely the frame holds a voice, 0 to 1."""
+        """Return the probability that the frame holds a voice, 0 to 1."""
 
     def reset(self) -> None:
         """Forget the frames before: the next one does not follow on them."""
 
     def another(self) -> "VoiceDetector":
-        """One like it, for other sound."""
+        """Return a fresh detector of the same kind, for other sound."""
 
 
 class SileroVad:
@@ -67,7 +67,7 @@ class SileroVad:
 
 @functools.cache
 def _network(path: Path) -> Any:
-    """One for all who listen; it may be asked from any thread."""
+    """Load one network for all listeners; it may be used from any thread."""
     import onnxruntime
 
     options = onnxruntime.SessionOptions()

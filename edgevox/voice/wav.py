@@ -1,7 +1,4 @@
-"""Reading WAV files of any rate, width and number of channels.
-
-Another sample rate, by FFmpeg's resampler, as sound streams in.
-"""
+"""A reader of WAV files of any rate, width and number of channels."""
 
 from collections.abc import Iterable
 from typing import TYPE_CHECKING
@@ -37,7 +34,7 @@ class Resampler:
         self._engine = av.AudioResampler(format="s16", layout="mono", rate=to_hz)
 
     def push(self, samples: Samples) -> Samples:
-        """What is ready after these samples; a few milliseconds stay inside until `flush`."""
+        """Return the samples that are ready; a few milliseconds stay inside until `flush`."""
         if self._equal or not samples.size:
             return samples
         frame = self._frame(
@@ -47,7 +44,7 @@ class Resampler:
         return _joined(self._engine.resample(frame))
 
     def flush(self) -> Samples:
-        """What was still inside; nothing may be pushed afterwards."""
+        """Return the samples that were still inside; push nothing afterwards."""
         return np.empty(0, np.int16) if self._equal else _joined(self._engine.resample(None))
 
 
@@ -63,7 +60,7 @@ def _joined(frames: "Iterable[av.AudioFrame]") -> Samples:
 
 
 LEAST_HZ, MOST_HZ = 1000, 768_000
-"""What a header may say of the rate: memory is taken by it."""
+"""Bounds of the rate in a header: the reader allocates memory by it."""
 HEADER_BYTES = 44
 """Before the samples, in what most programs write."""
 _WIDTHS = (1, 2, 3, 4)
@@ -76,9 +73,9 @@ def check_wav(path: Path, field: str = "audio_in") -> None:
 
 
 def stream_wav(path: Path) -> Iterator[Samples]:
-    """A file, mono at `RATE_HZ`, a second at a time: one of hours takes no memory.
+    """Yield a file's samples, mono at `RATE_HZ`, a second at a time: hours of sound take no memory.
 
-    Raises `InvalidValue` for what is not a WAV file of PCM.
+    Raises `InvalidValue` for a file that is no WAV file of PCM.
     """
     with _opened(path, "audio_in") as file:
         channels, width, from_hz = file.getnchannels(), file.getsampwidth(), file.getframerate()

@@ -1,10 +1,9 @@
-"""One word is heard once, though a network finds it in every window that holds it.
+"""One detection per word, and sleep for the networks while nobody speaks.
 
-Lets networks sleep while nobody speaks, and hear what they slept through.
+A network finds a word in every window that holds it; `OncePerWord` counts it once.
 
-What was heard in the two seconds before, as much as they look at, is kept and given to them as soon
-as there may be a voice, so they hear a phrase as if they had been awake. They run on for a moment
-after it.
+A sleeping network misses nothing: the last two seconds of sound, as much as it looks at, are kept
+and given to it as soon as there may be a voice. It runs on for a moment after the voice.
 """
 
 from collections import deque
@@ -13,11 +12,11 @@ from collections.abc import Sequence
 from edgevox.voice.audio import FRAME_S, Samples
 
 AWAKE = 0.1
-"""From this probability of a voice on, the networks are awake."""
+"""The networks wake from this probability of a voice on."""
 AWAKE_S = 1.0
-"""They stay awake for so long after the last frame that may hold a voice."""
+"""Seconds that the networks stay awake after the last frame that may hold a voice."""
 KEPT_S = 2.0
-"""So much of what was heard before they woke is given to them."""
+"""Seconds of earlier sound that the networks get when they wake."""
 
 
 class WakeSleep:
@@ -55,7 +54,7 @@ class OncePerWord:
 
     @property
     def resting(self) -> bool:
-        """Whether none would count in the next frame."""
+        """Whether a word in the next frame would not count."""
         return self._left > 0
 
     def counts(self, found: bool) -> bool:
@@ -68,5 +67,5 @@ class OncePerWord:
         return found
 
     def forget(self) -> None:
-        """What comes next does not follow on what was before."""
+        """Forget the word: the next sound does not follow on it."""
         self._left = 0

@@ -1,8 +1,6 @@
-"""Puts an agent together, by hand, and takes it apart in reverse order.
+"""The construction of an agent, by hand, and its closing in reverse order.
 
-What a drain is made of in an agent.
-
-Which arguments of skills may hold what somebody said.
+Also here: an agent's drain, and the arguments of skills that may hold a person's own words.
 """
 
 from collections.abc import Callable, Sequence
@@ -54,13 +52,17 @@ log = get_logger(__name__)
 
 
 STANDS_M_S, STANDS_RAD_S = 0.01, 0.01
-"""What is slower stands: a simulated robot comes to rest, a real one never measures zero."""
+"""Slower than this, a robot stands: a simulated one comes to rest, a real one never measures
+zero."""
 
 
 def build_drain(
     settings: Settings, interlock: Interlock, bus: Bus, body: Body | None, talk: Conversation
 ) -> Drain:
-    """It waits for goals as long as the settings say, and to stand for half of `leave_s`."""
+    """Build the drain.
+
+    It waits for goals as long as the settings say, then half of `leave_s` for a stand.
+    """
     return Drain(
         interlock,
         bus,
@@ -74,7 +76,7 @@ def build_drain(
 
 
 def stands(body: Body | None) -> bool:
-    """Whether it is seen to stand; one that does not say how it moves stands once it was halted."""
+    """Return whether the body stands; without a velocity, it stands once it was halted."""
     if not isinstance(body, HasPose):
         return True
     now = body.velocity()
@@ -82,9 +84,9 @@ def stands(body: Body | None) -> bool:
 
 
 def free_text(agents: Sequence[Agent]) -> Callable[[str, str], bool]:
-    """Whether an argument, by its skill's name and its own, takes any words.
+    """Return a test whether an argument, by its skill's name and its own, takes any words.
 
-    One of a skill that nobody has counts as such.
+    An argument of an unknown skill does.
     """
     free = {name: one.free_text for agent in agents for name, one in agent.skills.items()}
     return lambda skill, argument: skill not in free or argument in free[skill]
@@ -188,11 +190,11 @@ def build_parts(stack: ExitStack, settings: Settings, body: Body | None) -> Agen
 
 
 def start_parts(stack: ExitStack, parts: AgentParts, ros_args: Sequence[str] = ()) -> None:
-    """Start everything, from the body outwards; what is closed last is started first.
+    """Start everything, from the body outwards; the last to close is the first to start.
 
-    When this returns, typed and spoken commands are done. Nobody waits for the voice and for the
-    prompt of the language model: both are loaded afterwards, one after the other, so that whoever
-    speaks meanwhile is understood soon.
+    When this returns, typed and spoken commands work. The voice and the prompt of the language
+    model are loaded afterwards, one after the other, so that a command meanwhile does not wait for
+    them.
     """
     if parts.body:
         start(stack, parts.body)
@@ -227,9 +229,9 @@ def start_parts(stack: ExitStack, parts: AgentParts, ros_args: Sequence[str] = (
 
 
 def _prefill(stack: ExitStack, parts: AgentParts) -> PromptPrefill | None:
-    """What reads the prompt into the model, once the voice is there. It ends after whom it serves.
+    """Read the prompt into the model, after the voice has warmed up. Closed after its users.
 
-    The conversation has not begun: from then on nobody else may ask its interpreter.
+    The conversation has not begun: from then on only the conversation may use its interpreter.
     """
     if parts.model is None:
         return None
@@ -241,7 +243,7 @@ def _prefill(stack: ExitStack, parts: AgentParts) -> PromptPrefill | None:
 
 
 def _think(settings: Settings) -> tuple[LanguageModel | None, Path | None, str]:
-    """What thinks, the file of the model on board, and why there is none though one was asked for.
+    """Open the language model; return it, its file, and the reason if a wanted one is missing.
 
     Plain commands need no model, so a robot that lacks its own comes up, and says so.
     """

@@ -1,7 +1,7 @@
-"""The components of an agent, each of which says how it is.
+"""The components of an agent, each of which reports its status.
 
-Every agent lists the same ones, so that one configuration of an aggregator fits all: what was not
-asked for is well, and says that it is off.
+Every agent lists the same ones, so that one configuration of an aggregator fits all: a component
+that is not wanted is well, and says that it is off.
 """
 
 from edgevox import __version__

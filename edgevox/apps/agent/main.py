@@ -1,8 +1,7 @@
 """`edgevox-agent`: an agent with a body, aloud, on the terminal and on ROS 2.
 
-What `edgevox-agent` was asked on its command line, as one value.
-
-`--check`: what a robot can do, as the files and settings that were given make it.
+`AgentArguments` is its command line, as one value. `--check` prints a robot's skills, as the given
+files and settings make them.
 """
 
 import argparse
@@ -35,18 +34,17 @@ from edgevox.ros2 import split_ros_args
 
 @dataclass(frozen=True)
 class AgentArguments:
-    """The command line, taken apart; nothing in it is validated but the robot's name.
-
-    `flags` are only those settings that were given. `ros_args` go to ROS 2 as they are.
-    """
+    """The parsed command line; only the robot's name is validated."""
 
     robot: str
     flags: dict[str, Any]
+    """Only the settings that were given."""
     config: Path | None
     scenario: Path | None
     snapshot: Path | None
     check: bool
     ros_args: tuple[str, ...]
+    """Passed on to ROS 2."""
 
 
 def parse_arguments(argv: Sequence[str], complaint: str = "") -> AgentArguments:
@@ -151,7 +149,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 
 def _prepare(argv: Sequence[str]) -> Callable[[], bool]:
-    """What to run; it says whether it went well. Raises `EdgeVoxError` for what cannot be."""
+    """Return the function to run; it returns whether it went well. Raises `EdgeVoxError`."""
     plugins = bring_plugins(plugins_folder(argv))
     learn_robots()
     asked = parse_arguments(argv, plugins.complaint)

@@ -1,7 +1,7 @@
-"""Which language model an agent has: the one on board, a shared one on a server, or none.
+"""The choice of an agent's language model: the one on board, a shared one on a server, or none.
 
-What judges whether a sentence is an order (the encoder on board, where it was fetched), and what
-it sounds like (espeak-ng, where it is installed).
+Also here: the encoder that judges whether a sentence is an order, if it was fetched, and the
+phonemes of espeak-ng, if it is installed.
 """
 
 import struct
@@ -60,16 +60,16 @@ def find_weights(settings: Settings) -> Path | None:
 
 
 def open_model(settings: Settings, weights: Path | None) -> LanguageModel | None:
-    """What thinks. Raises `EdgeVoxError` for weights that cannot be loaded.
+    """Open the language model. Raises `EdgeVoxError` for weights that cannot be loaded.
 
-    With a server the model on board is loaded too: whoever falls back must not wait for it, and the
-    memory that it takes shows on the first day, not on the first bad one. `llm` none saves it.
+    With a server the model on board is loaded too: a fallback must not wait for it, and its memory
+    use shows on the first day, not on the first bad one. `llm` none saves it.
     """
     return _beside_server(settings, _load(settings, weights) if weights else None)
 
 
 def open_without(settings: Settings, fault: str) -> LanguageModel:
-    """What thinks where the model on board cannot be had: a server alone, or nothing at all."""
+    """Open a substitute without the model on board: a server alone, or none at all."""
     absent = AbsentModel(fault, context_tokens=settings.llm_context)
     return _beside_server(settings, None) or absent
 

@@ -1,7 +1,4 @@
-"""What an agent is made of.
-
-Sends each command to the part that it is for.
-"""
+"""The parts of an agent, and the router that sends each command to its part."""
 
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -75,41 +72,40 @@ class Startable(Protocol):
 
 @dataclass(frozen=True)
 class AgentParts:
-    """An agent: what it is made of, none of it started.
-
-    Without a `body` it only talks, without a `voice` it only writes. `absent` says why there is no
-    language model on board though one was asked for. `notes` are lines that a full screen would
-    hide and shows again.
-    """
+    """The parts of an agent, none of them started."""
 
     settings: Settings
     bus: Bus
     body: Body | None
+    """None for an agent that only talks."""
     controls: Controls
     queries: Queries
     conversation: Conversation
     command_router: CommandRouter
     model: LanguageModel | None
     voice: VoiceChain | None
+    """None for an agent that only writes."""
     listener: Listener | None
     components: Components
     health: Health
     model_path: Path | None
     metrics: "Registry | None"
     absent: str = ""
+    """The reason why the wanted language model on board is missing."""
     interlock: Interlock = field(default_factory=Interlock)
     guard: Guard = field(default_factory=Guard)
     robot_skills: RobotSkills = field(default_factory=RobotSkills)
     software_stop: SoftwareStop = field(kw_only=True)
     drain: Drain = field(kw_only=True)
     notes: list[str] = field(default_factory=list)
+    """Lines that a full screen would hide and shows again."""
 
     @property
     def skills(self) -> tuple[Skill, ...]:
-        """What its robot can be asked to do."""
+        """The skills of its robot."""
         return self.robot_skills.skills
 
     @property
     def name(self) -> str:
-        """What it is called."""
+        """The agent's name."""
         return self.body.name if self.body else "edgevox"

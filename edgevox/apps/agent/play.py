@@ -1,7 +1,4 @@
-"""Plays a scenario file with a whole agent and tells how it went.
-
-Where a scenario plays in this process: a conversation and a body, and what is seen of them.
-"""
+"""The player that runs a scenario file with a whole agent and reports the result."""
 
 import queue
 import threading
@@ -31,17 +28,17 @@ SETTLE_S = 0.02
 """After a stimulus, no time passes for the robot until all has been quiet this long."""
 MOST_SETTLE_S = 1.0
 MOST_THINK_S = 10.0
-"""So long no time passes for the robot while a goal runs that does not move it, or not yet."""
+"""Seconds for which the robot's time waits while a goal runs that does not move it, or not yet."""
 _LOOK_AGAIN_S = 0.001
 CATCH_UP_S = 0.0005
-"""How long the other threads may take to follow what a moment of the robot's time brought."""
+"""Seconds in which the other threads follow a moment of the robot's time."""
 
 
 class ConversationHarness:
-    """Gives stimuli and collects what is seen, until `close`.
+    """Gives stimuli and collects the reactions, until `close`.
 
-    A body whose simulated time is in lockstep does not move while the agent thinks. Any other runs
-    in real time.
+    A body whose simulated time is in lockstep does not move while the agent thinks. Any other body
+    runs in real time.
     """
 
     def __init__(
@@ -86,8 +83,9 @@ class ConversationHarness:
         self._settle()
 
     def steer(self, linear_m_s: float, angular_rad_s: float) -> None:
-        """One velocity of a stream. Raises `InvalidValue` for a body that takes none, and `Denied`
-        where the policy refuses it.
+        """Send one velocity of a stream.
+
+        Raises `InvalidValue` for a body without velocities, and `Denied` if the policy refuses it.
         """
         if not isinstance(self._body, TakesVelocity):
             raise InvalidValue("drive", self._body.name, "a robot that takes velocities")
@@ -102,7 +100,10 @@ class ConversationHarness:
         return self.look(seconds)
 
     def look(self, wait_s: float = 0.0) -> list[Seen]:
-        """What was seen since the last time, and the state now; waits a little for the first."""
+        """Return the events since the last call, and the state now.
+
+        Waits a little for the first.
+        """
         found: list[Seen] = []
         try:
             found.append(self._seen.get(timeout=wait_s) if wait_s else self._seen.get_nowait())
@@ -172,7 +173,7 @@ class ConversationHarness:
 
 
 REST_S = 30.0
-"""How much of the robot's time it may take to come to rest at the end."""
+"""Seconds of the robot's time in which it may come to rest at the end."""
 
 
 @dataclass(frozen=True)
@@ -183,7 +184,10 @@ class Script:
     scenario: Scenario
 
     def flags(self, given: dict[str, Any]) -> dict[str, Any]:
-        """What to load: what was given overrules the scenario; in text, no model unless named."""
+        """Return the settings to load: given ones overrule the scenario.
+
+        In text, no model unless named.
+        """
         own = dict(self.scenario.settings)
         for name in ("world", "mjcf", "locations", "policy"):
             if name in own:

@@ -1,4 +1,4 @@
-"""Puts the policy in force: its file, and what it must know of the robot."""
+"""The policy in force: its file, and the facts about the robot that it needs."""
 
 from collections.abc import Iterable
 from functools import lru_cache, partial
@@ -61,7 +61,7 @@ def build_guard(settings: Settings, bus: Bus, body: Body | None) -> Guard:
 
 
 def strange_names(guard: Guard, skills: Iterable[Skill]) -> list[str]:
-    """What the policy names and a robot with these skills has not, a sentence each."""
+    """Return a sentence for each name in the policy that a robot with these skills lacks."""
     return unknown_names(guard.policy.file, known_names(skills), guard.around)
 
 
@@ -80,7 +80,7 @@ def _forbidden_places(guard: Guard) -> frozenset[str]:
 
 
 def policy_context(body: Body | None) -> PolicyContext:
-    """What is known of this body."""
+    """Return the policy's facts about this body."""
 
     def here() -> Pose2D | None:
         try:
@@ -102,7 +102,10 @@ def policy_context(body: Body | None) -> PolicyContext:
 
 
 def known_names(skills: Iterable[Skill]) -> frozenset[str]:
-    """What rules may name: an agent's skills, those of all robots here, and what is no skill."""
+    """Return the names for rules.
+
+    The agent's skills, those of all robots here, and other requests.
+    """
     return frozenset(
         {*(one.name for one in skills), *phrasebook(ANY_LANGUAGE).skills, *COMMANDS, VELOCITY}
     )

@@ -13,7 +13,7 @@ from edgevox.voice.sentence_synthesiser import SentenceSynthesiser
 from edgevox.voice.tts.voices import PresentVoices, available, installed
 
 Queries = Mapping[str, Callable[[], Mapping[str, Any]]]
-"""What can be asked, by name."""
+"""Functions that answer queries, by name."""
 Info = Callable[[], Mapping[str, Any]]
 
 NO_STT = {"backend": None, "model_size": None, "device": None}
@@ -21,7 +21,7 @@ NO_TTS = {"backend": None, "voice": None, "sample_rate": None}
 
 
 def find_model(model_id: str) -> Path | None:
-    """Where a model is, None if it is not whole on this machine or nobody knows it."""
+    """Return a model's entry file; None if the model is incomplete here or unknown."""
     store = Store()
     model = store.manifest.models.get(model_id)
     if model is None or store.missing(model):
@@ -40,7 +40,7 @@ def present_voices(controls: Controls) -> PresentVoices:
 
 
 def deafness(language: str) -> str:
-    """Why this language cannot be heard on this machine; empty if it can."""
+    """Return the reason why this language cannot be heard here; empty if it can."""
     model = LANGUAGES[language].stt_model
     commands = [] if find_model(model) else fetch_commands([model])
     return f"{model} is not here: {commands[0]}" if commands else ""
@@ -80,7 +80,7 @@ def build_queries(
 
 
 def tts_info(synthesiser: SentenceSynthesiser) -> Mapping[str, Any]:
-    """What spoke last, or was made ready to speak, as `model_info` says it."""
+    """Return the synthesiser's part of `model_info`: the voice that spoke last or is ready."""
     if synthesiser.last is None:
         return NO_TTS
     choice, rate_hz = synthesiser.last
@@ -88,10 +88,9 @@ def tts_info(synthesiser: SentenceSynthesiser) -> Mapping[str, Any]:
 
 
 def list_languages() -> Mapping[str, Any]:
-    """Of every language what hears and speaks it on this machine now, and what it still lacks.
+    """Return, for every language, its engines on this machine and the commands that fetch the rest.
 
-    `missing` are the commands that fetch it. A language without a better voice is spoken by
-    espeak-ng.
+    `missing` are those commands. A language without a better voice is spoken by espeak-ng.
     """
     find = _Finder()
     return {code: _language(one, find) for code, one in LANGUAGES.items()}
@@ -112,12 +111,12 @@ def _language(language: Language, find: Callable[[str], Path | None]) -> Mapping
 
 
 def _packages(language: Language) -> list[str]:
-    """How to get the engine of a language's best voice, if it is not installed."""
+    """Return the command that installs the engine of a language's best voice, if it is missing."""
     return [] if installed(language.voices[0]) else [install_extra("voice")]
 
 
 def fetch_commands(model_ids: Iterable[str]) -> list[str]:
-    """What a person types to get these models: a set that has them, else the model itself."""
+    """Return the commands that fetch these models: a set that has them, else the model itself."""
     manifest = Store().manifest
     commands = {}
     for model_id in model_ids:

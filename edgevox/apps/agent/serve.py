@@ -1,4 +1,4 @@
-"""How an agent is there for whoever talks to it."""
+"""The running agent and its interfaces: it is started, served and closed here."""
 
 import time
 from collections.abc import Sequence
@@ -17,7 +17,7 @@ log = get_logger(__name__)
 
 
 def serve(settings: Settings, body: Body | None, ros_args: Sequence[str]) -> bool:
-    """Be there for whoever talks to it, until somebody leaves."""
+    """Serve the agent's users, until the program is ended."""
     began_s = time.monotonic()
     with ExitStack() as stack:
         parts = build_parts(stack, settings, body)

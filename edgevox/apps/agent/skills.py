@@ -64,7 +64,7 @@ def about_packages() -> str:
 
 
 def _sound(brought: Iterator[tuple[str, Skill]], own: Sequence[Skill]) -> Iterator[Skill]:
-    """Those that can be had beside the others; one that cannot is told by name."""
+    """Yield the skills that fit beside the others; one that does not is reported by name."""
     taken = {one.name for one in own}
     for package, one in brought:
         try:

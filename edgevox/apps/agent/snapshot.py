@@ -8,7 +8,7 @@ from edgevox.core.errors import InvalidValue
 from edgevox.robots.capabilities import Advances, Body, HasPicture
 
 MOMENT_S = 1.0
-"""How much time passes before a picture: things fall to rest."""
+"""Seconds before a picture, in which things fall to rest."""
 
 
 def check_picture(body: Body, file: Path) -> HasPicture:

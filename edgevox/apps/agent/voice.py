@@ -1,8 +1,6 @@
 """Speech in and out of an agent, made from the settings.
 
-Whether stop words are heard by their sound, too.
-
-Which wake word listens, by which engine, and what its licence says.
+The settings choose the stop word spotter, the wake word, its engine and so its licence.
 """
 
 from collections.abc import Callable, Iterable, Mapping
@@ -54,10 +52,10 @@ log = get_logger(__name__)
 
 
 def open_stop_detector(settings: Settings) -> StopDetector | None:
-    """What hears them, loaded.
+    """Open the stop word detector, loaded.
 
-    None where nobody asks for it, or, which is logged, where its model is not here or cannot be
-    loaded: stop words are heard by their words all the same.
+    None if no setting asks for it, or, with a log line, if its model is missing or cannot be
+    loaded: stop words are still found in transcripts.
     """
     if not settings.stop_spotter:
         return None
@@ -81,7 +79,7 @@ _FRONT_END = {"embedding_model", "melspectrogram"}
 
 
 def open_wakeword(settings: Settings) -> WakeDetector | None:
-    """What listens for the wake word; None without one.
+    """Open the wake word detector; None without a wake word.
 
     Raises `InvalidValue` for a phrase that the engine has no network for, `ModelMissing` for
     networks that are not here.
@@ -121,7 +119,7 @@ def phrases(engine: str) -> list[str]:
 
 
 def own_file(settings: Settings) -> Path | None:
-    """The description of a network that somebody trained, if the setting names one."""
+    """Return the description of the user's own network, if the setting names one."""
     file = Path(settings.wakeword).expanduser()
     return file if file.suffix == ".json" else None
 
@@ -134,10 +132,7 @@ def _micro(file: Path) -> WakeDetector:
 
 @dataclass(frozen=True)
 class VoiceChain:
-    """What hears and speaks. `relay` carries speech to ROS 2 when `audio_out` says so.
-
-    `weights` gives the files that are loaded, of ``stt`` and ``tts``, or folders of them.
-    """
+    """The parts that hear and speak."""
 
     source: AudioSource
     sink: TappedSink
@@ -145,8 +140,10 @@ class VoiceChain:
     speech_output: SpeechOutput
     wakeword: WakeDetector | None
     relay: Relay | None
+    """Carries speech to ROS 2 if `audio_out` says so."""
     played: PlayedSound
     weights: Callable[[], Mapping[str, Iterable[Path]]]
+    """Returns the loaded files, or folders of them, of ``stt`` and ``tts``."""
 
     @property
     def microphone(self) -> Pushed | None:
@@ -154,7 +151,7 @@ class VoiceChain:
         return self.source if isinstance(self.source, Pushed) else None
 
     def infos(self, controls: Controls) -> dict[str, Info]:
-        """What hears and what speaks, as `model_info` says it."""
+        """Return the speech parts of `model_info`."""
         return {
             "stt": lambda: _stt_info(controls.language),
             "tts": lambda: tts_info(self.speech_output.synthesiser),
@@ -211,9 +208,9 @@ def written_example(language: str) -> str:
 def open_hearing(
     stack: ExitStack, settings: Settings, prompt_of: Callable[[str], str] = written_example
 ) -> tuple[WatchedSpeechToText, Callable[[], Iterable[Path]]]:
-    """What makes words of sound, and which folders of models it has loaded.
+    """Open speech to text; return it, and a function that lists its loaded model folders.
 
-    `prompt_of` tells it, by language, what it may expect. Raises `InvalidValue` for a folder of
+    `prompt_of` returns, by language, the sentences to expect. Raises `InvalidValue` for a folder of
     `keep_audio` that cannot be written.
     """
     whisper = Whisper(_hearing_model, prompt_of=prompt_of)
@@ -229,9 +226,9 @@ def open_hearing(
 
 
 def warm_up_hearing(voice: VoiceChain, language: str) -> None:
-    """Load and try what hears, so that the first who speaks does not wait for it.
+    """Load and try speech to text, so that the first command does not wait for it.
 
-    What cannot be loaded is logged, and says so itself: the rest of the robot is of use without it.
+    A failure is logged, and its part reports it: the rest of the robot is of use without it.
     """
     # On another thread: a signal that arrives inside a C library's start would be lost there.
     with ThreadPoolExecutor(1, "edgevox-warm-up") as worker:
@@ -250,9 +247,9 @@ def build_listener(
     is_stop: Callable[[str], bool],
     ending: Callable[[str], Ending],
 ) -> Listener:
-    """The listener, not started; what it hears goes to `submit`.
+    """Build the listener, not started; its commands go to `submit`.
 
-    Who speaks while no speech can be recognised is told that.
+    A person who speaks while speech recognition does not work is told so.
     """
     voice.stt.tell = lambda: submit(Speak(phrasebook(controls.language).say("deaf")))
     from_files = isinstance(voice.source, WavFiles)
@@ -277,7 +274,7 @@ def build_listener(
 
 
 def endings(conversation: Conversation) -> Endings:
-    """What judges words by the templates that the conversation has now."""
+    """Make the judge of endings, by the templates that the conversation has at the time."""
     interpreter = conversation.interpreter
     return Endings(
         interpreter.plain,

@@ -1,4 +1,4 @@
-"""Puts the console together: what its page is shown of an agent and its robot, and may ask of it.
+"""The console of an agent: the data that its page shows, and the requests that it allows.
 
-It gives `edgevox.console` what that needs, which knows neither robots nor conversations.
+It serves `edgevox.console`, which knows neither robots nor conversations.
 """

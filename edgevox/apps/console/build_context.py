@@ -1,6 +1,6 @@
-"""What the console is given of an agent.
+"""The console's context, built from an agent.
 
-The skills as a page makes forms of them: their schemas, with the policy's limits in them.
+It holds the skills as a page makes forms of them: their schemas, with the policy's limits in them.
 """
 
 from collections import deque
@@ -132,7 +132,7 @@ class _OfAgent:
         )
 
     def _describe(self, language: str) -> Mapping[str, Any]:
-        """What a page is told once, in its own language where the robot has that."""
+        """Return the message that a page gets once, in its own language if the robot has that."""
         controls = self._parts.controls
         phrases = self._phrases(language)
         here = self._robot.capabilities if self._robot else {}
@@ -152,7 +152,7 @@ class _OfAgent:
         }
 
     def _explain(self, why: Reason | Exception, language: str) -> str:
-        """Why it was not done; empty for what the phrasebooks have no sentence of."""
+        """Return the reason of a failure; empty if the phrasebooks have no sentence for it."""
         if isinstance(why, StreamStopped):
             why = why.reason
         elif isinstance(why, SkillFailed | WrongArgument):
@@ -163,7 +163,7 @@ class _OfAgent:
         return phrasebook(language if language in LANGUAGES else self._parts.controls.language)
 
     def _status(self) -> Mapping[str, Any]:
-        """How all parts are."""
+        """Return the status of all parts."""
         health = self._parts.health
         live, ready = health.live(), health.ready()
         problems = [f"{name}: {said}" for name, said in ready.checks.items() if said]
@@ -189,7 +189,7 @@ class _OfAgent:
         self._parts.command_router.submit(TextInput(said, way), mark)
 
     def _stops(self, command: Command) -> bool:
-        """Whether it stops the robot, by a word or by the skill."""
+        """Return whether the command stops the robot, by a word or by the skill."""
         if isinstance(command, TextInput):
             return self._parts.conversation.is_stop(command.text)
         return isinstance(command, RunSkill) and command.name == STOP

@@ -1,9 +1,4 @@
-"""The map that others make, as a page draws it: a picture, one pixel a cell, and where it lies.
-
-What stands still on the map of a 2D robot, and what of it can be pushed, as a page draws it.
-
-Metres, map frame.
-"""
+"""A received map in the page's form: a picture, one pixel a cell, and its place."""
 
 import base64
 import io
@@ -19,7 +14,7 @@ from edgevox.robots.shapes import Circle, Point, Shape, place
 from edgevox.robots.world.model import Thing, World
 
 Label = Callable[[str], str]
-"""What a name is called in the language that is spoken."""
+"""Returns a name's label in the language that is spoken."""
 
 
 @runtime_checkable
@@ -34,7 +29,7 @@ class InWorld(Protocol):
 
 
 def scene_of(world: World, label: Label) -> dict[str, Any]:
-    """What stays where it is, JSON-ready."""
+    """Return the fixed parts of a world, JSON-ready."""
     fixed = [(thing, _shapes(thing, thing.pose, label)) for thing in world.fixed]
     return {
         "bounds": [world.x_min_m, world.y_min_m, world.x_max_m, world.y_max_m],
@@ -80,7 +75,7 @@ def _points(points: Sequence[Point]) -> list[list[float]]:
 
 
 GREYS = (0, 128, 255)
-"""Of a cell that is unknown, free or occupied; which colours they get is the page's."""
+"""Greys of an unknown, free and occupied cell; the page chooses the colours."""
 BITS = 2
 
 
@@ -107,7 +102,7 @@ class MapGrid:
 
 
 def _png(cells: NDArray[np.uint8]) -> str:
-    """In base64; its first row is the upper edge."""
+    """Return a PNG in base64; its first row is the upper edge."""
     from PIL import Image  # which only pictures need
 
     image = Image.fromarray(np.ascontiguousarray(cells[::-1]))

@@ -1,7 +1,4 @@
-"""Recordings that somebody begins and ends on the console: `edgevox-recorder` beside the agent.
-
-The recordings of a console on its disk: what there is to take, and how much room is left.
-"""
+"""Recordings that a person starts and stops on the console: `edgevox-recorder` beside the agent."""
 
 import os
 import shutil
@@ -29,7 +26,7 @@ log = get_logger(__name__)
 
 MB = 1_000_000
 SPARE_MB = 500
-"""What is left of the disk to others."""
+"""Disk space that is left to others."""
 
 
 class KeptRecordings:
@@ -43,7 +40,7 @@ class KeptRecordings:
         self._most_bytes = most_bytes
         self._lock = threading.Lock()
         self._earlier: frozenset[Path] | None = None
-        """Those that were there when the one began that is being written."""
+        """Folders that existed before the current recording; None without one."""
 
     def make_folder(self) -> int:
         """Have the folder; the bytes that a new recording has room for. Raises `EdgeVoxError`."""
@@ -59,24 +56,27 @@ class KeptRecordings:
             self._earlier = frozenset(self.folder.iterdir())
 
     def end(self) -> None:
-        """What was written is whole."""
+        """Note that the recording is complete."""
         with self._lock:
             self._earlier = None
 
     def room(self) -> int:
-        """How many more bytes there may be; below 0 where there are too many, 0 if nobody knows."""
+        """Return the bytes that are left for recordings.
+
+        Below 0 if there are too many, 0 if unknown.
+        """
         try:
             return self._room()
         except OSError:
             return 0
 
     def begun_bytes(self) -> int:
-        """How large the one is that is being written."""
+        """Return the size of the current recording."""
         over = set(self.files())
         return sum(_size(one) for one in self._found() if one not in over)
 
     def files(self) -> Sequence[Path]:
-        """Those that are over, the newest first."""
+        """Return the complete recordings, the newest first."""
         with self._lock:
             earlier = self._earlier
         found = (one for one in self._found() if earlier is None or one.parent in earlier)
@@ -125,16 +125,16 @@ def _begun(file: Path) -> float | None:
 
 
 LONGEST_S = 3600.0
-"""One that is forgotten ends by itself."""
+"""A forgotten recording ends after this."""
 LEAST_MB = 50
-"""So much room a recording needs to begin; a bound that is less is all it needs."""
+"""Space that a recording needs to begin; a smaller bound in the settings is enough."""
 MOST_FILE_MB = 10_000_000
 """A recording is one file, whatever the settings allow it."""
 PROGRAM = "from edgevox.apps.console.recorder_child import main; raise SystemExit(main())"
 
 
 class NoRecorder(StrEnum):
-    """What an agent lacks to be recorded, as pages are told it."""
+    """The missing part without which an agent cannot be recorded, as pages get it."""
 
     ROS2 = "ros2"
     EXTRA = "extra"
@@ -161,7 +161,7 @@ def open_recorder(
 
 
 class RobotRecorder:
-    """At most one recording at a time. Each is a folder with one MCAP file. Any thread."""
+    """At most one recording at a time; each is a folder with one MCAP file. For any thread."""
 
     def __init__(self, settings: Settings, folder: Path, environment: Mapping[str, str]) -> None:
         self.kept = KeptRecordings(folder, settings.console_recordings_mb * MB)
@@ -236,11 +236,14 @@ class RobotRecorder:
         self.kept.delete(name)
 
     def files(self) -> Sequence[Path]:
-        """Those that are over, the newest first."""
+        """Return the complete recordings, the newest first."""
         return self.kept.files()
 
     def state(self) -> Mapping[str, Any]:
-        """As pages are told it: whether it records and for how long, what there is to take."""
+        """Return the state for pages.
+
+        Whether and how long it records, and the files to download.
+        """
         with self._lock:
             running = self._process is not None
             seconds, why = time.monotonic() - self._since_s, self._why

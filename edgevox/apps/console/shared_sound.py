@@ -1,8 +1,8 @@
 """The ears and the mouth of an agent, for the pages of its console.
 
-A page is heard by a listener of its own, made as the one of the room is: the room's goes on
-hearing a stop word whoever has a page open, and what is said in the room is not taken for what is
-said into a button that somebody holds. Both share what makes words of sound.
+A page has a listener of its own, made like the room's. So the room's listener goes on hearing stop
+words while pages are open, and speech in the room is not taken for speech into a held button. Both
+share the speech-to-text engine.
 """
 
 import threading
@@ -120,5 +120,5 @@ def share_sound(stack: ExitStack, parts: AgentParts) -> SharedSound | None:
 
 
 def _of_console(command: Command) -> Command:
-    """What an operator says into a page came by the console, for the policy."""
+    """Mark a command from an operator's microphone with the console's way, for the policy."""
     return replace(command, way=Way.CONSOLE_OPERATOR) if isinstance(command, Heard) else command

@@ -1,8 +1,7 @@
 """A body as the console's page sees and steers it, whatever body it is.
 
-What of a body moves, as a page draws it 15 times a second: exactly what the body has.
-
-Metres and radians, map frame. What cannot be known at the moment is None.
+`live` has the moving parts, which a page draws 15 times a second: exactly the body's own. Metres
+and radians, map frame. A value that is unknown at the moment is None.
 """
 
 import io
@@ -46,9 +45,9 @@ log = get_logger(__name__)
 
 
 MOST_POINTS = 360
-"""So many points of a lidar are shown; of more beams every second or third."""
+"""The most points of a lidar that are shown; of more beams, every second or third is."""
 WIDE_OPEN_M = 0.08
-"""How wide the arm's hand can be opened."""
+"""The widest opening of the arm's hand."""
 
 
 @runtime_checkable
@@ -60,7 +59,7 @@ class HasJoints(Protocol):
 
 
 def live(body: Body, label: Label) -> dict[str, Any]:
-    """How the body is now, JSON-ready."""
+    """Return the body's current state, JSON-ready."""
     state = body.state()
     pose = _pose(body)
     found: dict[str, Any] = {"time": state.get("time"), "goal": state.get("goal")}
@@ -81,7 +80,7 @@ def live(body: Body, label: Label) -> dict[str, Any]:
 
 
 def _hand(state: Mapping[str, Any], label: Label) -> dict[str, Any]:
-    """What a hand holds and what lies before it, of a body whose state says so."""
+    """Return the held thing and the things in reach, for a body whose state has them."""
     if "gripper_width" not in state:
         return {}
     held = state["held"]
@@ -109,7 +108,7 @@ def _as_json(pose: Pose2D | None) -> dict[str, float] | None:
 
 
 def _lidar(body: HasLidar, pose: Pose2D) -> list[float]:
-    """Where its beams end that hit something, x and y in turn."""
+    """Return the ends of the beams that hit something, x and y in turn."""
     try:
         scan = body.scan()
     except SkillFailed:  # such as a sensor that is silent
@@ -126,10 +125,10 @@ def _ends(scan: LidarScan, pose: Pose2D) -> list[float]:
 
 
 AROUND_M = 5.0
-"""Of a robot without a map so much is shown around where it is and the places that it knows."""
+"""Metres around a robot without a map, and around its known places, that are shown."""
 JPEG_QUALITY = 80
 WIDEST_PX = 960
-"""Of a wider picture every second pixel is shown, or every third."""
+"""Of a wider picture, every second or third pixel is shown."""
 
 
 class ShownRobot:
@@ -145,7 +144,7 @@ class ShownRobot:
         )
 
     def scene(self) -> Mapping[str, Any]:
-        """What does not move; another ``version`` whenever it is another."""
+        """Return the fixed parts, with a new ``version`` for every change."""
         body = self._body
         grid = _received_map(body)
         found: dict[str, Any] = (
@@ -162,7 +161,7 @@ class ShownRobot:
         return {**found, "version": zlib.crc32(repr(found).encode())}
 
     def live(self) -> Mapping[str, Any]:
-        """What moves."""
+        """Return the moving parts."""
         return live(self._body, self._label)
 
     def picture(self) -> bytes | None:
@@ -200,13 +199,13 @@ class ShownRobot:
             self._steering.steer(0.0, 0.0)
 
     def let_go(self) -> None:
-        """Whoever steered has let go of the stick."""
+        """Note that the driver has let go of the stick."""
         if self._steering:
             self._steering.let_go()
 
     @property
     def capabilities(self) -> Mapping[str, Any]:
-        """What the page may offer."""
+        """The features that the page may offer."""
         body, names = self._body, {skill.name for skill in self._body.skills}
         drive = isinstance(body, TakesVelocity)
         pictured = isinstance(body, HasPicture) and not isinstance(body, InWorld)
@@ -221,8 +220,9 @@ class ShownRobot:
         }
 
     def _places(self) -> dict[str, tuple[float, float]]:
-        """Those that it knows by itself, and what it was told to remember; not rooms, which are
-        drawn as such.
+        """Return its own places and the remembered ones, but not rooms.
+
+        Rooms are drawn as rooms.
         """
         body = self._body
         found = dict(body.places) if isinstance(body, HasPlaces) else {}

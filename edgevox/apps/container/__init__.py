@@ -1,4 +1,4 @@
-"""What the container runs first: environment variables checked, then the program started.
+"""The container's first step: checks the environment variables, then starts the program.
 
 `environment.toml` is the table of the variables; docs, compose files and chart are held to it.
 Imports all of edgevox; nothing but the entrypoint imports it.

@@ -1,6 +1,6 @@
 """The container's environment, checked and made into what EdgeVox and ROS 2 read.
 
-One folder with all that a robot is made of: each file in it is the value of a variable.
+`EDGEVOX_ROBOT_FOLDER` is one folder with all files of a robot: each is the value of a variable.
 """
 
 import difflib
@@ -23,9 +23,9 @@ NAMES: Mapping[str, str] = {
     "policy.yaml": "EDGEVOX_POLICY",
     "plugins": "EDGEVOX_PLUGINS",
 }
-"""What may lie in it, and the variable that names it elsewhere."""
+"""Files that may be in the configuration folder, and the variable that names each elsewhere."""
 AGENTS_OF: Mapping[str, str] = {"robot.yaml": "robot-external", "world.yaml": "robot-apartment"}
-"""Which robot it is if nobody says so: the first file that is there says it."""
+"""The default robot: by the first of these files that is there."""
 MOUNTED = Path("/plugins")
 """Plug-ins that are mounted, or part of a derived image: ours has no such folder."""
 ALSO = ("scenarios", "README.md")
@@ -70,7 +70,7 @@ def _warn_of(name: str, warn: Callable[[str], None]) -> None:
 TRUTH = {"true": "true", "1": "true", "yes": "true", "on": "true"}
 TRUTH |= {"false": "false", "0": "false", "no": "false", "off": "false"}
 NOT_OURS = re.compile(r"EDGEVOX_(\w+_)?(SERVICE_(HOST|PORT)(_\w+)?|PORT(_\d+_\w+)?)")
-"""What Kubernetes sets in every pod for a service whose name begins with edgevox."""
+"""Variables that Kubernetes sets in every pod for a service whose name begins with edgevox."""
 PLUGINS = "EDGEVOX_PLUGINS"
 OF_COMPOSE = frozenset({"EDGEVOX_IMAGE", "EDGEVOX_UID", "EDGEVOX_GID"})
 
@@ -167,7 +167,7 @@ def installed_middlewares() -> list[str]:
 
 
 def _refuse_contradictions(values: Mapping[str, str]) -> None:
-    """One setting by several names must have one value."""
+    """Refuse two values of one setting that has several names."""
     names: dict[str, str] = {}
     for name in sorted(values, key=lambda name: name != ENVIRONMENT[name].target):
         first = names.setdefault(ENVIRONMENT[name].target, name)
@@ -175,7 +175,7 @@ def _refuse_contradictions(values: Mapping[str, str]) -> None:
 
 
 def _be_quiet_without_sound(values: dict[str, str]) -> None:
-    """With neither microphone nor loudspeaker nothing is heard or spoken: load nothing for it."""
+    """Switch to text mode without microphone and loudspeaker, so that no speech part is loaded."""
     silent = values["EDGEVOX_AUDIO_IN"] == values["EDGEVOX_AUDIO_OUT"] == "none"
     if silent and "EDGEVOX_TEXT_MODE" not in values:
         values["EDGEVOX_TEXT_MODE"] = "true"

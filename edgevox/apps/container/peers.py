@@ -1,16 +1,15 @@
-"""The peers of ROS_STATIC_PEERS as addresses, without those whose names mean nothing now.
+"""The peers of ROS_STATIC_PEERS as addresses, without names that do not resolve now.
 
 A node looks its peers up once, when it is made, and is not made at all if one of them does not
 resolve: a robot whose peer is down would not come up. So names are looked up here, for a bounded
-time, and what still has no address is left out and named.
+time, and a name without an address by then is left out and reported.
 
 If each of two robots names the other, the wait is long enough once it exceeds the time in which a
 new name becomes known: then at least one of them finds the other, which is enough for both.
 
-The servers of ROS_DISCOVERY_SERVER as addresses, the places of those that have none left empty.
-
-Fast DDS takes none of the list if one name in it does not resolve: with one of two servers down
-whoever starts would find nobody. A server's number is its place in the list, so a place stays.
+The servers of ROS_DISCOVERY_SERVER are looked up, too; a server without an address leaves its place
+empty. Fast DDS takes none of the list if one name in it does not resolve: with one of two servers
+down a node would find no peer. A server's number is its place in the list, so a place stays.
 """
 
 import re
@@ -22,9 +21,9 @@ from threading import Event
 PEERS = "ROS_STATIC_PEERS"
 WAIT = "EDGEVOX_PEERS_WAIT_S"
 AGAIN_S = 0.5
-"""How long after a name was not known it is asked for again."""
+"""Seconds after which an unknown name is looked up again."""
 ANSWER_S = 2.0
-"""How long the last question may take: a server of names that is dead holds up nobody."""
+"""Seconds that the last lookup may take: a dead name server holds up no start."""
 
 LookUp = Callable[[str], str | None]
 
@@ -42,7 +41,10 @@ def address_of(host: str) -> str | None:
 def with_addresses(
     environment: Mapping[str, str], warn: Callable[[str], None], look_up: LookUp = address_of
 ) -> dict[str, str]:
-    """The environment with addresses for peers; who has none is left out, and named to `warn`."""
+    """Return the environment with peers as addresses.
+
+    A peer without one is left out and reported.
+    """
     names = environment.get(PEERS, "").split(";")
     rest = {name: value for name, value in environment.items() if name != PEERS}
     if names == [""]:
@@ -80,9 +82,9 @@ def _ask(name: str, look_up: LookUp, over: Event) -> str | None:
 
 SERVERS = "ROS_DISCOVERY_SERVER"
 ROUND_S = 10
-"""How long all are asked for at once while none has an address."""
+"""Seconds of simultaneous lookups while no peer has an address."""
 SAY_EVERY = 6
-"""In each so many rounds it is said that there is none."""
+"""Rounds between two log lines that there is no peer."""
 _PARTS = re.compile(r"(?P<kind>\w+:)?\[(?P<inside>[^]]*)\](?P<end>.*)|(?P<host>[^:]*)(?P<port>.*)")
 """TCPv4:[host]:port, [IPv6]:port or host:port."""
 
@@ -95,7 +97,7 @@ def server_names(servers: str) -> list[str]:
 def with_server_addresses(
     environment: Mapping[str, str], warn: Callable[[str], None], look_up: LookUp = address_of
 ) -> dict[str, str]:
-    """The environment with addresses for servers; who has none is left out, and named to `warn`.
+    """Return the environment with servers as addresses; one without is left out and reported.
 
     While none of them has an address it waits: a robot that started without any would look for
     others by multicast, and would not ask a server that comes later.

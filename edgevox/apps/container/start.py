@@ -15,7 +15,7 @@ from edgevox.core.process.cgroup import usable_cpus
 USAGE = 64
 """EX_USAGE of sysexits.h: nothing was started."""
 NOT_EXECUTABLE, NOT_FOUND = 126, 127
-"""What shells say."""
+"""The exit codes of shells."""
 
 
 @with_streams("edgevox")
@@ -43,7 +43,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def command_of(arguments: Sequence[str], environment: Mapping[str, str]) -> list[str]:
-    """What to run: the arguments; if there are none, or only flags, the agent with them."""
+    """Return the command: the arguments; if there are none, or only flags, the agent with them."""
     if arguments and not arguments[0].startswith("-"):
         return list(arguments)
     agent = environment["EDGEVOX_AGENT"]

@@ -31,10 +31,7 @@ class UnwiseRange(BaseModel):
 
 
 class Variable(BaseModel):
-    """One variable. `default` is the container's own; empty where nothing is set.
-
-    `listed` is false for what only follows from the settings.
-    """
+    """A variable of the container."""
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
@@ -42,6 +39,7 @@ class Variable(BaseModel):
     type: Type = "setting"
     setting: str = ""
     default: str = ""
+    """The container's own default; empty if it sets none."""
     empty: str = ""
     shown: str = ""
     about: str = ""
@@ -52,6 +50,7 @@ class Variable(BaseModel):
     most: int | None = None
     unwise: UnwiseRange | None = None
     listed: bool = True
+    """False for a variable that only follows from the settings."""
 
     @model_validator(mode="after")
     def _whole(self) -> Self:
@@ -70,12 +69,12 @@ class Variable(BaseModel):
 
     @property
     def sentence(self) -> str:
-        """What it is about."""
+        """Its description."""
         return self.about or (self._field.description or "" if self.setting else "")
 
     @property
     def default_text(self) -> str:
-        """What holds if it is not given, for people; empty where nothing does."""
+        """Its default, for people; empty without one."""
         if self.shown:
             return self.shown
         if self.default or not self.setting:
@@ -85,7 +84,7 @@ class Variable(BaseModel):
 
     @property
     def values(self) -> str:
-        """What is allowed, for people; empty where anything is."""
+        """Its allowed values, for people; empty if any is."""
         if self.allowed:
             return self.allowed
         match self.type:
@@ -109,7 +108,7 @@ class Variable(BaseModel):
 
 
 def _allowed(field: FieldInfo) -> str:
-    """What a setting may be, from its type and bounds."""
+    """Return a setting's allowed values, from its type and bounds."""
     if field.annotation is bool:
         return "true or false"
     if get_origin(field.annotation) is Literal:

@@ -1,4 +1,4 @@
-"""What a check is, and what it finds."""
+"""A check of the doctor, and its verdict."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -10,7 +10,7 @@ from edgevox.core.status import Level
 
 @dataclass(frozen=True, slots=True)
 class CheckVerdict:
-    """What was found, and what to do about it. What was not looked at is stale: skipped."""
+    """The result of a check, with advice. A skipped check is stale."""
 
     level: Level
     found: str
@@ -23,56 +23,54 @@ def ok(found: str, advice: str = "") -> CheckVerdict:
 
 
 def skipped(found: str, advice: str = "") -> CheckVerdict:
-    """There was nothing to check."""
+    """Make a verdict: there was nothing to check."""
     return CheckVerdict(Level.STALE, found, advice)
 
 
 def warning(found: str, advice: str = "") -> CheckVerdict:
-    """It works, though not as well as it could."""
+    """Make a verdict: it works, though not as well as it could."""
     return CheckVerdict(Level.WARN, found, advice)
 
 
 def error(found: str, advice: str = "") -> CheckVerdict:
-    """It does not work."""
+    """Make a verdict: it does not work."""
     return CheckVerdict(Level.ERROR, found, advice)
 
 
 @dataclass(frozen=True, slots=True)
 class Situation:
-    """What is asked of the machine: by the settings, and by the environment.
-
-    `agent` is the robot that shall run, empty for none in particular. `quick` is whether to believe
-    that files are what they were when they were last read. `refused` is what the settings were
-    refused for; `settings` are the defaults then.
-    """
+    """The demands on the machine, from the settings and the environment."""
 
     settings: Settings
+    """The defaults, if the settings were refused."""
     environment: Mapping[str, str] = field(default_factory=dict)
     agent: str = ""
+    """The robot that is to run; empty for no particular one."""
     quick: bool = False
+    """Trust files that are unchanged since they were last read."""
     refused: str = ""
+    """The reason why the settings were refused."""
 
 
 Facts = Mapping[str, Any]
-"""What a probe saw, JSON-ready."""
+"""The results of a probe, JSON-ready."""
 Judge = Callable[[Facts, Situation], CheckVerdict | Sequence[CheckVerdict]]
 
 
 @dataclass(frozen=True, slots=True)
 class Check:
-    """One question to the machine.
-
-    `probe` is a function that runs here, or the address (``module:function``) of one that runs in a
-    process of its own, and `if_lost` what to do if that dies. Without what it `needs` it does not
-    count.
-    """
+    """A question to the machine."""
 
     name: str
     about: str
     probe: Callable[[Situation], Facts] | str
+    """A function that runs here, or the address (``module:function``) of one that runs in its
+    own process."""
     judge: Judge
     needs: tuple[str, ...] = ()
+    """Names of other checks: if one of them fails or is skipped, this one is skipped."""
     if_lost: str = ""
+    """The advice if the probe's process dies."""
 
 
 @dataclass(frozen=True, slots=True)

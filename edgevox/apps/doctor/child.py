@@ -1,7 +1,7 @@
-"""Runs one probe in this process, for one that may hang or die: ``child.py module:function``.
+"""A child process that runs one probe, which may hang or die: ``child.py module:function``.
 
-What follows on the command line are the probe's arguments.
-Its facts are the last line on standard output; whatever libraries print goes to standard error.
+The probe's arguments follow on the command line. Its facts are the last line on standard output;
+output of libraries goes to standard error.
 """
 
 import importlib

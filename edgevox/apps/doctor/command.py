@@ -1,7 +1,4 @@
-"""`edgevox doctor`, also called `edgevox-doctor`.
-
-The doctor's findings for people and for programs.
-"""
+"""`edgevox doctor`, also called `edgevox-doctor`: its findings, for people and for programs."""
 
 import argparse
 import json
@@ -27,7 +24,7 @@ from edgevox.core.settings import ENV_PREFIX, Settings, check_settings, load_set
 from edgevox.core.status import Level
 
 WIDTH = 110
-"""Where there is no terminal, whose own width it would be."""
+"""The width without a terminal."""
 _SHOWN = {
     Level.OK: ("ok", "green"),
     Level.STALE: ("skipped", "dim"),

@@ -1,4 +1,4 @@
-"""The console: whether it can listen, whom its address lets in, and how its certificate is."""
+"""The console's check: whether it can listen, which hosts reach it, and its certificate."""
 
 import errno
 import http.client
@@ -19,7 +19,7 @@ ANSWER_S = 3.0
 
 
 def probe_console(situation: Situation) -> Facts:
-    """What there is of it, where it is asked for."""
+    """Find the state of the console, if it is on."""
     settings = situation.settings
     if not settings.serves_console:
         return {"on": False}
@@ -84,7 +84,7 @@ def _judge_certificate(facts: Facts) -> list[CheckVerdict]:
 
 
 def _why_not(host: str, port: int) -> str:
-    """Why nobody could listen there; empty if one could."""
+    """Return the reason why a console could not listen there; empty if it could."""
     try:
         family = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)[0][0]
         socket.create_server((host, port), family=family).close()
@@ -95,7 +95,7 @@ def _why_not(host: str, port: int) -> str:
 
 
 def _answers(settings: Settings) -> bool:
-    """Whether a console answers there; whom its certificate is for does not matter here."""
+    """Return whether a console answers there, whatever names its certificate has."""
     place = reachable(settings.console_host), settings.console_port
     if settings.console_tls == "off":
         asking = http.client.HTTPConnection(*place, timeout=ANSWER_S)
@@ -113,7 +113,7 @@ def _answers(settings: Settings) -> bool:
 
 
 def _certificate(settings: Settings) -> Facts:
-    """Of a site's certificate its names and the days that are left, or what is wrong with it."""
+    """Return the names and remaining days of a site's certificate, or its fault."""
     certificate, secret = settings.console_certificate, settings.console_key
     if settings.console_tls != "files":
         return {}

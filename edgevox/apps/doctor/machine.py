@@ -1,7 +1,4 @@
-"""Python, the processor, memory, disks and the clock.
-
-A GPU, and OpenGL without a display.
-"""
+"""The checks of Python, processor, memory, disks, clock, GPU, and OpenGL without a display."""
 
 import ctypes
 import os
@@ -27,7 +24,7 @@ _WITH_CAMERA = ("robot-panda", "robot-humanoid")
 
 
 def probe_gpu() -> Facts:
-    """In a process of its own: a broken driver may do anything."""
+    """Look for GPUs; in its own process, since a broken driver may do anything."""
     import pynvml
 
     try:
@@ -43,7 +40,7 @@ def probe_gpu() -> Facts:
 
 
 def judge_gpu(facts: Facts, _: Situation) -> CheckVerdict:
-    """No GPU is fine; one whose driver is broken is not."""
+    """Judge the GPU: no GPU is fine; a broken driver is not."""
     if facts["failed"]:
         advice = "install the kernel module and the library in the same version, then restart"
         return warning(f"NVIDIA's driver does not answer: {facts['failed']}", advice)
@@ -53,7 +50,7 @@ def judge_gpu(facts: Facts, _: Situation) -> CheckVerdict:
 
 
 def probe_egl() -> Facts:
-    """In a process of its own: drivers may end it."""
+    """Draw a picture; in its own process, since a driver may end it."""
     from edgevox.robots.mujoco import gl
 
     try:
@@ -68,7 +65,7 @@ def probe_egl() -> Facts:
 
 
 def judge_egl(facts: Facts, situation: Situation) -> CheckVerdict:
-    """Without it only pictures are missing."""
+    """Judge EGL: without it, only pictures are missing."""
     if not facts["installed"]:
         return skipped("MuJoCo is not installed", f"{install_extra('mujoco')} brings two robots")
     if facts["failed"]:
@@ -97,7 +94,7 @@ def probe_python(_: Situation) -> Facts:
 
 
 def judge_python(facts: Facts, _: Situation) -> CheckVerdict:
-    """What the packages are built for."""
+    """Judge the Python version by the packages' builds."""
     version = ".".join(map(str, facts["version"]))
     found = f"Python {version} on {facts['system']} {facts['release']}, {facts['machine']}"
     if tuple(facts["version"][:2]) not in PYTHONS:
@@ -177,7 +174,7 @@ def probe_disk(situation: Situation) -> Facts:
 
 
 def judge_disk(facts: Facts, _: Situation) -> list[CheckVerdict]:
-    """By the limits that /diagnostics has, too."""
+    """Judge disks by the limits of /diagnostics."""
     said = []
     for path, *rest in facts["rooms"]:
         one = DiskSpace(Path(path), *rest)
@@ -204,7 +201,7 @@ def judge_clock(facts: Facts, _: Situation) -> CheckVerdict:
 
 
 def _synchronised() -> bool | None:
-    """What the kernel says of its clock; None where it may not be asked."""
+    """Return whether the kernel's clock is synchronised; None where that may not be asked."""
     asked = (ctypes.c_int * 64)()  # struct timex: `modes` first, of zero, so that nothing is set
     if ctypes.CDLL(None, use_errno=True).adjtimex(asked) < 0:
         return None
@@ -213,7 +210,7 @@ def _synchronised() -> bool | None:
 
 
 def _llm_bytes(settings: Settings) -> int:
-    """What the loader will ask for; of weights that are not here yet, without their context."""
+    """Return the bytes that the loader will need; for missing weights, without their context."""
     try:
         path = find_weights(settings)
         return needed_bytes(weights.check(path), settings.llm_context) if path else 0

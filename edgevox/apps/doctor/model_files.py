@@ -1,4 +1,4 @@
-"""The models that the settings need: whether they are here, and whether their bytes are right."""
+"""The check of the models that the settings need: whether they are here, and intact."""
 
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
@@ -31,13 +31,13 @@ def needed(situation: Situation) -> Iterator[str]:
 
 
 def wanted(situation: Situation) -> Iterator[str]:
-    """Those without which it would speak worse."""
+    """Yield the models without which it would speak worse."""
     if not situation.settings.text_mode:
         yield from LANGUAGES[situation.settings.language].voices[0].models
 
 
 def probe_models(situation: Situation) -> Facts:
-    """Which models are asked for, and the state of those and of all that are here."""
+    """List the wanted models, and the state of those and of all that are here."""
     store = Store()
     must = list(dict.fromkeys(needed(situation)))
     better = [one for one in dict.fromkeys(wanted(situation)) if one not in must]
@@ -60,7 +60,7 @@ def probe_models(situation: Situation) -> Facts:
 
 
 def judge_models(facts: Facts, situation: Situation) -> list[CheckVerdict]:
-    """What is needed and not right is an error, what would be better a warning."""
+    """Judge the models: a faulty needed one is an error, a faulty optional one a warning."""
     found, unknown = facts["found"], facts["unknown"]
     said = [error(f"{name}: no such model", "edgevox-models list shows all") for name in unknown]
     if facts["file"]:

@@ -1,4 +1,4 @@
-"""Multicast, shared memory and buffers: what the middleware sends by."""
+"""The checks of multicast, shared memory and buffers, which the middleware uses."""
 
 import fcntl
 import os
@@ -13,7 +13,7 @@ from edgevox.apps.doctor.check import CheckVerdict, Facts, Situation, error, ok,
 from edgevox.ops.diagnostics.disk import MIB
 
 GROUP = "239.255.0.1"
-"""Where DDS looks for others."""
+"""The group in which DDS discovers other participants."""
 HEAR_S = 1.0
 SHM = Path("/dev/shm")  # noqa: S108 - the kernel's name for it
 LEAST_SHM_MIB = 64
@@ -23,12 +23,12 @@ _SIOCGIFADDR = 0x8915
 
 
 def probe_multicast(_: Situation) -> Facts:
-    """For each interface with an address, why multicast does not work on it."""
+    """Test multicast on each interface with an address; the result is the reason of a failure."""
     return {"interfaces": {f"{name} {ip}": _hears_itself(ip) for name, ip in _addresses()}}
 
 
 def judge_multicast(facts: Facts, _: Situation) -> CheckVerdict:
-    """One interface to the outside on which it works is enough."""
+    """Judge multicast: one working interface to the outside is enough."""
     heard = facts["interfaces"]
     works = [name for name, why in heard.items() if not why]
     outside = [name for name in works if not name.startswith("lo ")]
@@ -42,7 +42,7 @@ def judge_multicast(facts: Facts, _: Situation) -> CheckVerdict:
 
 
 def probe_shared_memory(_: Situation) -> Facts:
-    """Its size, and what nodes left in it that are gone."""
+    """Return its size, and the segments that dead nodes left in it."""
     if not SHM.is_dir():
         return {"there": False}
     space = shutil.disk_usage(SHM)
@@ -58,7 +58,7 @@ def probe_shared_memory(_: Situation) -> Facts:
 
 
 def judge_shared_memory(facts: Facts, _: Situation) -> CheckVerdict:
-    """A node without room in it talks to nobody on this machine."""
+    """Judge shared memory: without room in it, a node reaches no other on this machine."""
     udp = "or FASTDDS_BUILTIN_TRANSPORTS=UDPv4"
     if not facts["there"] or not facts["writable"]:
         return warning(f"{SHM} cannot be written", f"mount it, {udp}")
@@ -104,7 +104,10 @@ def _addresses() -> Iterator[tuple[str, str]]:
 
 
 def _hears_itself(ip: str) -> str:
-    """Why what is sent to the group on an interface is not heard there; empty if it is."""
+    """Return the reason why a packet to the group is not heard on this interface.
+
+    Empty if it is.
+    """
     said = secrets.token_bytes(16)
     try:
         with (
@@ -132,7 +135,7 @@ def _segments() -> list[Path]:
 
 
 def _in_use(file: Path) -> bool:
-    """Whether its node lives: it holds a lock on the file beside it, alone."""
+    """Return whether its node lives: that holds an exclusive lock on the file beside it."""
     try:
         with file.with_name(f"{file.name}_el").open("rb") as lock:
             fcntl.flock(lock, fcntl.LOCK_SH | fcntl.LOCK_NB)

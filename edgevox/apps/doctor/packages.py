@@ -1,4 +1,4 @@
-"""Packages that bring robots and skills, plug-ins among them: what there is, and does it load?"""
+"""The check of packages that bring robots and skills, plug-ins among them: do they load?"""
 
 import json
 from collections.abc import Callable, Iterator
@@ -23,7 +23,7 @@ _WITHOUT = "correct or remove it: an agent starts without it"
 
 
 def probe_packages(situation: Situation) -> Facts:
-    """What there is of packages; they are loaded in a process of their own."""
+    """List the packages; they are loaded in a separate process."""
     return probe_apart(PROBE, situation.settings.model_dump_json(include=_NEEDED))
 
 
@@ -48,7 +48,7 @@ def look_for_packages(settings: str) -> Facts:
 
 
 def _tried(look: Callable[[], T]) -> tuple[T | None, list[str]]:
-    """What is found, or why nothing is."""
+    """Return the result, or the reason of its failure."""
     try:
         return look(), []
     except InvalidValue as wrong:
@@ -61,7 +61,7 @@ def _about(point: EntryPoint, fault: str) -> dict[str, object]:
 
 
 def judge_packages(facts: Facts, _: Situation) -> list[CheckVerdict]:
-    """What was asked for and does not load is an error."""
+    """Judge the packages: a wanted one that does not load is an error."""
     said = [
         *(error(one, _CORRECT) for one in facts["wrong"]),
         *(ok(f"plug-in {one['file']}: {one['name']} {one['version']}") for one in facts["plugins"]),

@@ -1,4 +1,4 @@
-"""What this process is given: settings, folders it can write to, a container around it."""
+"""The checks of this process: its settings, its writable folders, and its container."""
 
 import os
 import tempfile
@@ -11,7 +11,7 @@ from edgevox.ops.diagnostics.disk import room
 
 
 def probe_settings(situation: Situation) -> Facts:
-    """Which variables are given, and which of them nobody reads."""
+    """List the given variables, and the unknown ones among them."""
     unknown: list[str] = []
     warn_of_unknown(situation.environment, unknown.append)
     given = sorted(name for name in situation.environment if name.startswith("EDGEVOX_"))
@@ -19,7 +19,7 @@ def probe_settings(situation: Situation) -> Facts:
 
 
 def judge_settings(facts: Facts, situation: Situation) -> list[CheckVerdict]:
-    """Nobody reads a misspelled variable, and nobody says so but here."""
+    """Judge the settings: only here is a misspelled variable reported."""
     unknown = [warning(one, "correct or remove it") for one in facts["unknown"]]
     if situation.refused:
         advice = "correct it; the other checks used the defaults"
@@ -29,7 +29,7 @@ def judge_settings(facts: Facts, situation: Situation) -> list[CheckVerdict]:
 
 
 def probe_folders(situation: Situation) -> Facts:
-    """Whether files can be made where they must."""
+    """Test whether files can be made where they must be."""
     logs = ros_logs(situation.environment)
     return {
         "tmp": room(Path(tempfile.gettempdir())).writable,
@@ -39,7 +39,7 @@ def probe_folders(situation: Situation) -> Facts:
 
 
 def judge_folders(facts: Facts, _: Situation) -> CheckVerdict:
-    """Where a read-only root forgot a tmpfs."""
+    """Judge the folders: a read-only root may lack a tmpfs."""
     if not facts["tmp"]:
         return error("no folder for temporary files", "mount a tmpfs at /tmp")
     if not facts["logs"]:
@@ -51,7 +51,7 @@ def judge_folders(facts: Facts, _: Situation) -> CheckVerdict:
 
 
 def probe_container(_: Situation) -> Facts:
-    """Whether this is one, and as whom."""
+    """Find out whether this is a container, and its user."""
     inside = Path("/.dockerenv").exists() or Path("/run/.containerenv").exists()
     return {
         "inside": inside or "KUBERNETES_SERVICE_HOST" in os.environ,

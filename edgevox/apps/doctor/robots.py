@@ -1,7 +1,4 @@
-"""The robot that a file describes: whether what the file names is on the graph, skill by skill.
-
-What the policy permits, line by line, and whether its file can be read.
-"""
+"""The check of a robot file: whether its interfaces are on the graph, skill by skill."""
 
 from collections.abc import Iterator
 from pathlib import Path
@@ -49,7 +46,7 @@ def probe_policy(situation: Situation) -> Facts:
 
 
 def _unknown(policy: PolicyFile, situation: Situation) -> list[str]:
-    """What the robot has not; without one only the skills are looked at, of all robots."""
+    """List the policy's unknown names for this robot; without a robot, only unknown skills."""
     if situation.agent not in ROBOTS:
         return unknown_names(policy, known_names(()))
     try:
@@ -60,7 +57,7 @@ def _unknown(policy: PolicyFile, situation: Situation) -> list[str]:
 
 
 def _policy_of(settings: Settings) -> PolicyFile | None:
-    """What the setting names, else what the robot file says of it."""
+    """Return the setting's policy, else the robot file's."""
     if settings.policy:
         return read_policy_file(settings.policy)
     own = load_robot_file(settings.robot_file).policy if settings.robot_file else None
@@ -87,7 +84,7 @@ _NEEDED = {"robot_file", "robot_namespace"}
 
 
 def probe_robot_file(situation: Situation) -> Facts:
-    """What is on the graph of what the file names, if there is a file."""
+    """Look on the graph for the file's interfaces, if there is a file."""
     settings = situation.settings
     if settings.robot_file is None:
         return {"given": False}
@@ -97,12 +94,12 @@ def probe_robot_file(situation: Situation) -> Facts:
 
 
 def _as_json(settings: Settings) -> str:
-    """Of the settings those that the probe needs and somebody gave: they count more than a file."""
+    """Return the settings that the probe needs and that were given: they overrule the file."""
     return settings.model_dump_json(include=_NEEDED & settings.model_fields_set)
 
 
 def judge_robot_file(facts: Facts, situation: Situation) -> list[CheckVerdict]:
-    """What has another type is an error; what is not there may only be switched off."""
+    """Judge the graph: another type is an error; a missing interface may only be switched off."""
     if not facts["given"]:
         return [skipped("no robot file", "--robot-file FILE checks its interfaces")]
     if facts.get("secured"):
@@ -130,7 +127,7 @@ def _nothing_there(facts: Facts, wanted: int, situation: Situation) -> CheckVerd
 
 
 def _judge_owner(owner: str, found: list[Facts]) -> Iterator[CheckVerdict]:
-    """One line if all is well; else one for each thing that is not."""
+    """Yield one verdict if all is well; else one for each fault."""
     faults = [verdict for one in found if (verdict := _fault(owner, one))]
     yield from faults
     if not faults:

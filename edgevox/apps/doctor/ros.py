@@ -34,7 +34,7 @@ def judge_middleware(facts: Facts, situation: Situation) -> CheckVerdict:
 
 
 def judge_interfaces(facts: Facts, _: Situation) -> CheckVerdict:
-    """Without them all but their topics works."""
+    """Judge the interfaces: without them, everything works but their topics."""
     if not facts["missing"]:
         return ok("all there")
     found = f"missing: {', '.join(facts['missing'])}"
@@ -75,7 +75,7 @@ def probe_discovery(situation: Situation) -> Facts:
 
 
 def _unknown(names: list[str]) -> list[str]:
-    """Those that have no address now."""
+    """Return the names without an address now."""
     known = addresses(names, 0) if names else {}
     return [name for name in names if name not in known]
 
@@ -105,7 +105,7 @@ def judge_discovery(facts: Facts, _: Situation) -> list[CheckVerdict]:
 
 
 def probe_round_trip(situation: Situation) -> Facts:
-    """What a message to another process takes; not asked where no enclave may have its topic."""
+    """Measure a message's round trip to another process, unless security forbids its topic."""
     if is_secured(situation.environment):
         return {"secured": True}
     return probe_apart(ROUND_TRIP)

@@ -1,4 +1,4 @@
-"""Asks all checks, side by side, and takes whatever comes of it."""
+"""The runner of the checks: asks all side by side, and survives each failure."""
 
 import json
 import signal
@@ -47,7 +47,7 @@ def probe_apart(
     environment: Mapping[str, str] | None = None,
     timeout_s: float = PROBE_S,
 ) -> Facts:
-    """What a probe sees in a process of its own, in this environment or another.
+    """Run a probe in its own process, in this environment or another; return its facts.
 
     Raises `ProbeFailed`.
     """

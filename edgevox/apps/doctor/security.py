@@ -1,4 +1,4 @@
-"""DDS security: which build of ROS 2 this is, what is asked for, and how long it holds."""
+"""The check of DDS security: the build of ROS 2, the wanted security, and its expiry."""
 
 from collections.abc import Mapping
 from datetime import UTC, datetime
@@ -24,12 +24,12 @@ NOT_WITH_SECURITY = "not tried: the doctor has no enclave of its own"
 
 
 def is_secured(environment: Mapping[str, str]) -> bool:
-    """Whether nodes of this environment let in only whom they should, or are to."""
+    """Return whether nodes of this environment are, or should be, secured."""
     return bool(environment.get(KEYSTORE)) or environment.get(ENABLE) == "true"
 
 
 def probe_security(situation: Situation) -> Facts:
-    """How the middleware was built, and the enclave that the agent would have."""
+    """Find the middleware's build, and the agent's enclave."""
     return {"build": probe_apart(PROBE), **_enclave(situation)}
 
 
@@ -54,7 +54,7 @@ def _state(asked: Asked, domain: int) -> dict[str, Any]:
 
 
 def judge_security(facts: Facts, situation: Situation) -> list[CheckVerdict]:
-    """What is asked for must hold; what is not asked for is said, and no fault."""
+    """Judge security: the wanted one must hold; its absence is reported, and no fault."""
     return [_judge_build(facts["build"]), *_judge_asked(facts, situation)]
 
 

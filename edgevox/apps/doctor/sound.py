@@ -1,4 +1,4 @@
-"""Sound devices, by PortAudio, and espeak-ng."""
+"""The checks of sound devices, by PortAudio, and of espeak-ng."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -13,7 +13,7 @@ WORDS = {"inputs": "microphone", "outputs": "loudspeaker"}
 
 
 def probe_sound() -> Facts:
-    """In a process of its own: PortAudio's back ends may hang, and they chat."""
+    """List devices; in its own process, since PortAudio's back ends may hang, and print."""
     try:
         inputs, outputs = devices("input"), devices("output")
     except DeviceMissing as missing:
@@ -38,7 +38,7 @@ def judge_sound(facts: Facts, situation: Situation) -> CheckVerdict | list[Check
 
 
 def is_device(spec: str) -> bool:
-    """Whether a setting for sound means a sound card."""
+    """Return whether a setting for sound names a sound card."""
     elsewhere = spec in (NONE, ROS2) or "/" in spec or Path(spec).suffix.lower() == ".wav"
     return not elsewhere
 
@@ -55,7 +55,7 @@ def _judge(word: str, asked: str, here: Sequence[str]) -> CheckVerdict:
 
 
 def probe_echo() -> Facts:
-    """In a process of its own, since it loads a library."""
+    """Load the canceller; in its own process, since it loads a library."""
     try:
         open_engine()
     except ImportError as missing:
@@ -64,7 +64,10 @@ def probe_echo() -> Facts:
 
 
 def judge_echo(facts: Facts, situation: Situation) -> CheckVerdict:
-    """Without it the gate keeps the robot's own voice out, and quiet people with it."""
+    """Judge the canceller.
+
+    The gate in its place keeps the robot's voice out, and quiet people, too.
+    """
     if situation.settings.text_mode or situation.settings.echo != "cancel":
         return skipped("no echo canceller is asked for")
     if facts["missing"]:
@@ -74,7 +77,7 @@ def judge_echo(facts: Facts, situation: Situation) -> CheckVerdict:
 
 
 def probe_espeak() -> Facts:
-    """In a process of its own, since it loads a library."""
+    """Speak a word; in its own process, since it loads a library."""
     from edgevox.core.cancel import CancelToken
     from edgevox.voice.tts.espeak import open_espeak
     from edgevox.voice.tts.synthesiser import SynthesisFailed
@@ -87,7 +90,7 @@ def probe_espeak() -> Facts:
 
 
 def judge_espeak(facts: Facts, situation: Situation) -> CheckVerdict:
-    """It speaks where no other voice does."""
+    """Judge espeak-ng: it speaks where no other voice does."""
     if facts["failed"] or not facts["samples"]:
         found = f"espeak-ng does not speak: {facts['failed'] or 'it was silent'}"
         advice = "sudo apt install espeak-ng"
@@ -106,7 +109,7 @@ def judge_spotter(facts: Facts, situation: Situation) -> CheckVerdict:
 
 
 def probe_spotter() -> Facts:
-    """Whether the model is here that hears stop words by their sound."""
+    """Find out whether the stop word spotter's model is here."""
     from edgevox.models import ModelMissing, locate
     from edgevox.voice.stop.network import ENCODER
 

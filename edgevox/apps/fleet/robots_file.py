@@ -1,8 +1,4 @@
-"""The robots of a fleet's page, from a YAML file that its people write.
-
-robots:
-  kitchen: {health: "http://192.168.1.20:8001", console: "https://robot1.local:8443"}
-"""
+"""The file of a fleet's robots: YAML, written by its people."""
 
 from collections.abc import Mapping
 from pathlib import Path
@@ -32,7 +28,7 @@ def _console(url: str) -> str:
 
 
 def _has_host(url: str, schemes: tuple[str, ...]) -> bool:
-    """Whether it is an address of such a scheme, without a user's name or a password in it."""
+    """Return whether it is a URL of such a scheme, without user name or password."""
     try:
         parts = urlsplit(url)
         return (
@@ -46,7 +42,7 @@ def _has_host(url: str, schemes: tuple[str, ...]) -> bool:
 
 
 class FleetRobot(BaseModel):
-    """Where one robot's health is asked for, and where its console is; empty for no link."""
+    """The URLs of a robot's health and console; an empty console gives no link."""
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 

@@ -1,7 +1,4 @@
-"""Serves the page of a fleet, on this machine only, until somebody leaves.
-
-How each robot of a fleet is: its health is asked for, again and again, all of them at once.
-"""
+"""The server of a fleet's page, on this machine only."""
 
 import http.client
 import socket
@@ -34,7 +31,7 @@ State = Literal["unknown", "ready", "unwell", "gone"]
 
 @dataclass(frozen=True, slots=True)
 class LastSeen:
-    """What a robot said of itself. `problems` are texts by check; `at_s` is the watch's clock."""
+    """A robot's last answer. `problems` are texts by check; `at_s` is the watch's clock."""
 
     state: State = "unknown"
     problems: Mapping[str, str] = field(default_factory=dict)
@@ -42,7 +39,7 @@ class LastSeen:
 
 
 def ask_health(robot: FleetRobot) -> tuple[State, Mapping[str, str]]:
-    """What a robot says at `/ready`; gone if it says nothing, or nothing that is health."""
+    """Return a robot's answer at `/ready`; gone without an answer, or without a health report."""
     address = urlsplit(robot.health)
     connection = http.client.HTTPConnection(
         address.hostname or "", address.port or 80, timeout=ANSWER_WITHIN_S
@@ -66,7 +63,10 @@ def ask_health(robot: FleetRobot) -> tuple[State, Mapping[str, str]]:
 
 @contextmanager
 def _hung_up_in_time(sock: socket.socket) -> Iterator[None]:
-    """Its timeout is for each byte: one that drips them would keep the page from all others."""
+    """Limit the whole answer's time.
+
+    The socket's timeout is for each byte, and a dripping robot would hold up the page.
+    """
 
     def hang_up() -> None:
         with suppress(OSError):

@@ -1,10 +1,8 @@
-"""Puts the plug-ins of a folder where Python and `importlib.metadata` find them.
+"""The loader of plug-ins: puts a folder's packages where Python and `importlib.metadata` find them.
 
-`plugins.sha256`: the only files that a folder of plug-ins may hold.
-
-A package as it lies in its folder, not built: what its pyproject.toml says of it.
-
-`importlib.metadata` finds it as if it were installed, its entry points with it.
+`plugins.sha256`, if there, lists the only files that the folder may hold. A package may also be a
+project's source folder, not built: `importlib.metadata` finds it by its pyproject.toml as if it
+were installed, with its entry points.
 """
 
 import argparse
@@ -75,7 +73,7 @@ def _wanted(listing: Path) -> dict[str, str]:
 
 
 def _files(folder: Path) -> Iterator[str]:
-    """What can be loaded; not `..data` and the like, which Kubernetes keeps beside its mounts."""
+    """Yield the loadable files, without Kubernetes' own, such as `..data`, beside its mounts."""
     seen: set[tuple[int, int]] = set()
     for place, folders, names in os.walk(folder, followlinks=True):
         here = Path(place)
@@ -100,7 +98,10 @@ PROJECT = "pyproject.toml"
 
 
 class SourcePackage(Distribution):
-    """What a project's folder says of the package in it. Raises `InvalidValue` for what is none."""
+    """The metadata of a package in a project's folder.
+
+    Raises `InvalidValue` for an invalid project.
+    """
 
     def __init__(self, folder: Path) -> None:
         self._folder = folder
@@ -122,11 +123,11 @@ class SourcePackage(Distribution):
         return src if src.is_dir() else self._folder
 
     def read_text(self, filename: str) -> str | None:
-        """What an installed package would have in its file of this name."""
+        """Return the content that an installed package would have in this file."""
         return {"METADATA": self._metadata, "entry_points.txt": self._points}.get(filename)
 
     def locate_file(self, path: Any) -> Any:
-        """Where one of its files is."""
+        """Return the path of one of its files."""
         return self._folder / path
 
 
@@ -194,7 +195,7 @@ _NAME = re.compile(r"\s*([A-Za-z0-9][A-Za-z0-9._-]*)([^;]*)(;.*)?")
 
 @dataclass(frozen=True)
 class Plugin:
-    """One package that was found, with the file or folder that it is of."""
+    """A package that was found, with its file or folder."""
 
     file: str
     name: str
@@ -203,14 +204,15 @@ class Plugin:
 
 @dataclass(frozen=True)
 class Plugins:
-    """What a folder brought, and what of it is broken: its reason by file."""
+    """The plug-ins of a folder."""
 
     loaded: tuple[Plugin, ...] = ()
     broken: Mapping[str, str] = field(default_factory=dict)
+    """The reason of each failure, by file."""
 
     @property
     def complaint(self) -> str:
-        """What is broken, a line each, for people; empty if nothing is."""
+        """The broken plug-ins, a line each, for people; empty if there is none."""
         return "\n".join(f"plugins: {file}: {reason}" for file, reason in self.broken.items())
 
     def log(self) -> None:
@@ -222,9 +224,9 @@ class Plugins:
 
 
 def plugins_folder(argv: Sequence[str]) -> Path | None:
-    """What `--plugins` says, else its variable, else the file that `--config` names.
+    """Return the folder of `--plugins`, else of its variable, else of the file of `--config`.
 
-    It is read before all else, since which robots there are depends on it.
+    It is read before everything else, since the known robots depend on it.
     """
     parser = argparse.ArgumentParser(add_help=False, exit_on_error=False)
     add_flags(parser, ["plugins"])
@@ -273,9 +275,9 @@ def bring_plugins(folder: Path | None, *, load: bool = True) -> Plugins:
 
 
 def _found(item: Path, load: bool) -> tuple[Path, Sequence[Distribution]]:
-    """Where its modules are, and the packages in it. Raises what it likes for what is no plug-in.
+    """Return the folder of its modules, and its packages. Raises any error for an invalid one.
 
-    Nothing is put on the path yet: there, one that cannot be read would hide all others.
+    Nothing is put on the path yet: there, an unreadable plug-in would hide all others.
     """
     if item.is_file() and item.suffix == ".whl":
         if not item.name.endswith("-none-any.whl"):
@@ -301,7 +303,10 @@ def _expected(packages: list[Distribution]) -> list[Distribution]:
 
 
 def _has_data(wheel: Path) -> bool:
-    """Whether it holds more than modules: what reads a file beside itself looks for a folder."""
+    """Return whether it holds more than modules.
+
+    Code that reads a file beside itself needs a folder.
+    """
     with zipfile.ZipFile(wheel) as archive:
         names = [one.filename for one in archive.infolist() if not one.is_dir()]
     return not all(one.endswith(".py") or one.partition("/")[0].endswith(_INFO) for one in names)
@@ -317,7 +322,7 @@ def _unpacked(wheel: Path) -> Path:
 
 
 def _put(place: Path, packages: Sequence[Distribution]) -> None:
-    """At the end of the path: a plug-in takes the place of nothing that is installed."""
+    """Append it to the path: a plug-in replaces nothing that is installed."""
     if str(place) not in sys.path:
         sys.path.append(str(place))
     sources = [one for one in packages if isinstance(one, SourcePackage)]

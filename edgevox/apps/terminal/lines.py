@@ -1,7 +1,4 @@
-"""Lines of a pipe or a file as they arrive: a stop is told at once, whatever waits before it.
-
-What a person typed before there was a prompt: it waits in the terminal, a stop among it.
-"""
+"""Lines of a pipe or a file as they arrive: a stop is told at once, ahead of all waiting lines."""
 
 import os
 import select
@@ -14,7 +11,7 @@ from edgevox.core.motion.interlock import Interlock
 MAX_LINE_BYTES = 1 << 20
 """A line is read up to this length; what follows is a line of its own."""
 MAX_AHEAD_BYTES = 1 << 20
-"""So much may wait to be done; what is behind it stays unread, a stop, too."""
+"""The most bytes that may wait to be done; lines beyond them stay unread, even a stop."""
 _READ_BYTES = 1 << 16
 
 
@@ -37,20 +34,20 @@ class Splitter:
 
 
 def after_last_stop(lines: Sequence[str], is_stop: Callable[[str], bool]) -> int:
-    """How many of these lines are over with the last stop among them; 0 without one."""
+    """Return how many of these lines the last stop ends, itself included; 0 without one."""
     stops = (number for number, line in enumerate(lines, 1) if is_stop(line))
     return max(stops, default=0)
 
 
 class InputLines:
-    """Reads a file descriptor on a thread of its own, from `start` to `close`.
+    """Reads a file descriptor on its own thread, from `start` to `close`.
 
-    `is_stop` says which lines cannot wait. Lines that are there at one moment are looked at
-    together: those before the last stop among them, and all that wait from earlier, are forgotten,
-    and `on_stop` gets that line and how many those are, on the reading thread.
+    `is_stop` says which lines cannot wait. Lines that are there at one moment are read together:
+    those before the last stop among them, and all that wait from earlier, are forgotten, and
+    `on_stop` gets the stop line and their number, on the reading thread.
 
-    Others may stop the robot, too. Each line has the interlock's mark from when there was last
-    nothing to read, so one that was written before such a stop has an older one.
+    Other sources may stop the robot, too. Each line has the interlock's mark from the time when
+    there was last nothing to read, so a line that was written before such a stop has an older mark.
     """
 
     def __init__(
@@ -75,7 +72,7 @@ class InputLines:
         self._wake_out, self._wake_in = os.pipe()
         self._thread = threading.Thread(target=self._read, name="edgevox-lines")
         self.count = 0
-        """How many lines there were until now."""
+        """The number of lines so far."""
         interlock.on_stop(self._stopped)
 
     def start(self) -> None:
@@ -116,7 +113,7 @@ class InputLines:
         self._raise(mark)
 
     def _stopped(self, mark: int) -> None:
-        """Everything was stopped, or allowed again, on any thread; the interlock is at `mark`."""
+        """React to a stop, or its release, on any thread; the interlock is at `mark`."""
         if self._closed:
             return
         if threading.get_ident() in (self._takes, self._thread.ident):

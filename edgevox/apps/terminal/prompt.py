@@ -1,7 +1,4 @@
-"""The interactive prompt: Ctrl-C once interrupts, twice leaves.
-
-Ctrl-C once interrupts, twice leaves: the rule that every terminal here keeps.
-"""
+"""The interactive prompt. Ctrl-C once interrupts, twice leaves, as in every terminal of EdgeVox."""
 
 import sys
 from collections.abc import Sequence
@@ -40,7 +37,7 @@ class DoubleInterrupt:
         self._pressed_s = float("-inf")
 
     def pressed(self) -> bool:
-        """It was pressed now; whether that is the second time."""
+        """Note a press; return whether it is the second one."""
         now_s = self._clock.now()
         if now_s - self._pressed_s < SECOND_CTRL_C_S:
             return True
@@ -65,9 +62,9 @@ class Prompt:
         self._view = View(bus, show, self._session.app.invalidate)
 
     def run(self, shutdown: ShutdownSignals, typed: Sequence[str] = ()) -> None:
-        """Do what was `typed` before, then read lines until the person leaves, or a signal says so.
+        """Do the `typed` lines, then read lines until the person leaves, or a signal ends it.
 
-        Nothing that is typed waits for what a line before it does.
+        No line waits for the action of an earlier one.
         """
         from edgevox.apps.tui.run_tui import stderr_as_lines
 

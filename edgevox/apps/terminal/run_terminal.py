@@ -1,7 +1,4 @@
-"""Chooses how to talk: a prompt on a terminal, a script from a pipe, or nobody at all.
-
-Lines from a pipe or a file, one after another, each done before the next; a stop at once.
-"""
+"""The choice of the terminal's mode: a prompt, a script from a pipe, or none."""
 
 import os
 import stat
@@ -28,10 +25,10 @@ from edgevox.voice.sources.files import WavFiles
 def run_script(
     fd: int, bus: Bus, context: SlashContext, write: Callable[[str], None], interlock: Interlock
 ) -> int:
-    """Submit every line and wait until it is answered and done. How many lines there were.
+    """Submit every line and wait until it is answered and done. Return the number of lines.
 
-    A line that stops does so when it is read, and the lines that wait before it are not done; nor
-    are those that wait when somebody else stops the robot.
+    A stop line acts when it is read, and the lines that wait before it are dropped; so are lines
+    that wait when another source stops the robot.
     """
     view = View(bus, write)
 
@@ -54,7 +51,7 @@ def run_script(
             write(f"  [cancelled lines before this stop: {dropped}]")
 
     def keep(event: GoalChanged) -> None:
-        """What was written behind a line that calls the skill `stop` in words comes after it."""
+        """Keep the lines behind one that calls the skill `stop` in words: they come after it."""
         if event.skill == STOP and event.turn:
             lines.keep()
 
@@ -78,8 +75,8 @@ def run_script(
 
 
 _LOOK_S = 1.0
-"""How long the main thread sleeps at most: a signal that comes after Python looked for one, and
-before the thread sleeps, is seen when it wakes."""
+"""The longest sleep of the main thread: a signal that comes just before the sleep, after
+Python's check, is seen at the wake-up."""
 
 
 def run_terminal(parts: AgentParts, shutdown: ShutdownSignals) -> None:
@@ -107,7 +104,10 @@ def run_terminal(parts: AgentParts, shutdown: ShutdownSignals) -> None:
 
 
 def _run_alone(parts: AgentParts) -> None:
-    """What is said is shown, but not where the log is for programs: there it is not for all."""
+    """Run without a terminal; show the conversation, unless the log is for programs.
+
+    Returns at the end of a sound file; with any other source it runs until a signal.
+    """
     told = parts.settings.log_format != "json"
     view = View(parts.bus, _write if told else lambda _line: None)
     try:

@@ -1,4 +1,4 @@
-"""Shows the bus on a terminal: answers as they come, and the running skill's progress."""
+"""The view of the bus on a terminal: answers as they come, and the running skill's progress."""
 
 import threading
 from collections import Counter
@@ -20,8 +20,8 @@ BAR_WIDTH = 20
 class View:
     """Turns events into lines and one status line.
 
-    `write` gets whole lines, in which nothing steers a terminal. `status` is what is being
-    generated or done at this moment; `changed` is called whenever it may have changed.
+    `write` gets whole lines, free of terminal control codes. `status` is the answer or action in
+    progress; `changed` is called whenever it may have changed.
     """
 
     def __init__(
@@ -48,7 +48,7 @@ class View:
 
     @property
     def status(self) -> str:
-        """One line: the answer as far as it is generated, or the running skill's progress."""
+        """A line: the answer as far as it is generated, or the running skill's progress."""
         with self._lock:
             return one_line(self._partial.strip() or self._progress)
 

@@ -1,7 +1,4 @@
-"""The screen, in Textual: transcript, what is being said or done, a line to type, a side panel.
-
-What the program writes of itself stands in a log of its own, which a key shows.
-"""
+"""The screen, in Textual: transcript, current speech or action, an input line, a side panel."""
 
 import asyncio
 from collections import deque
@@ -30,7 +27,7 @@ Queries = Mapping[str, Callable[[], Mapping[str, Any]]]
 
 
 class Changed(Message):
-    """There is news."""
+    """A message that there is news."""
 
 
 class Face(App[None]):
@@ -177,7 +174,10 @@ class Face(App[None]):
             self._updates.write(one)
 
     def _show_log(self, lines: Sequence[str]) -> None:
-        """What comes while it is hidden is kept here: a widget would keep all of it."""
+        """Show lines of the log; while it is hidden, keep a limited number.
+
+        A widget would keep all.
+        """
         log = self.query_one("#log", RichLog)
         self._unread.extend(lines)
         while log.display and self._unread:
@@ -205,5 +205,5 @@ class Face(App[None]):
 
 
 def _styled(line: str) -> Text:
-    """What was asked is bold."""
+    """Return the line; a question of the user is bold."""
     return Text(line, style="bold" if line.startswith(">") else "")

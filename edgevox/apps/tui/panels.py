@@ -1,4 +1,4 @@
-"""What stands in the side panel, as text of a fixed width."""
+"""The texts of the side panel, of a fixed width."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -48,14 +48,14 @@ def latencies(turns: Sequence[TurnMeasured]) -> Text:
 
 
 def unread(count: int) -> Text:
-    """How many lines of the log nobody has seen, and the key that shows them."""
+    """Return the number of unseen lines of the log, and the key that shows them."""
     if not count:
         return Text("")
     return Text(f"log: {count} new, F3" if count < MOST_UNREAD else "log: many new, F3", "yellow")
 
 
 def machine(models: Mapping[str, Any], hardware: Mapping[str, Any]) -> Text:
-    """What is loaded, and on what it runs; the answers to `model_info` and `hardware_info`."""
+    """Return the loaded models and the hardware, from `model_info` and `hardware_info`."""
     stt, llm, tts = models["stt"], models["llm"], models["tts"]
     gpu = hardware.get("gpu_name") or "none"
     rows = {

@@ -1,10 +1,4 @@
-"""Runs the full-screen terminal on the main thread.
-
-Keeps the screen to the interface: what libraries write to stderr becomes lines of its own.
-
-A middleware or an engine in C writes to file descriptor 2 without asking; on a full screen that
-would be written over it.
-"""
+"""The full-screen terminal, run on the main thread."""
 
 import os
 import sys
@@ -50,7 +44,7 @@ def stderr_as_lines(write: Callable[[str], None]) -> Iterator[None]:
 
 
 COLUMNS = 46
-"""How wide a map fits beside the panel on a screen of 80 columns."""
+"""The width of a map beside the panel on a screen of 80 columns."""
 
 
 def run_tui(parts: AgentParts, shutdown: ShutdownSignals, typed: Sequence[str] = ()) -> None:

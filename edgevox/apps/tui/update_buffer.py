@@ -1,4 +1,4 @@
-"""Collects what happens, from any thread, until the screen is drawn next."""
+"""A buffer of events, from any thread, until the screen is drawn next."""
 
 import threading
 from collections import deque
@@ -19,24 +19,23 @@ from edgevox.core.events import (
 from edgevox.core.files.text import one_line, printable_in_colour
 
 TURNS = 5
-"""How many of the last turns are remembered."""
+"""The number of latest turns that are remembered."""
 MAX_LINES = 500
-"""Lines that nobody has drawn yet; older ones are dropped."""
+"""Lines that wait to be drawn; older ones are dropped."""
 
 
 @dataclass(frozen=True, slots=True)
 class ScreenUpdate:
-    """What is new, and how things are now. `level` is the microphone's, 0 to 1.
-
-    `lines` are of the conversation, `log_lines` what the program and its libraries write of
-    themselves.
-    """
+    """The news and the current state."""
 
     lines: tuple[str, ...]
+    """Of the conversation."""
     log_lines: tuple[str, ...]
+    """Written by the program and its libraries."""
     status: str
     state: State
     level: float
+    """The microphone's, 0 to 1."""
     language: str
     voice: str
     muted: bool
@@ -76,19 +75,19 @@ class UpdateBuffer:
         self._view.expect(text)
 
     def write(self, line: str) -> None:
-        """One more line of the transcript."""
+        """Add a line to the transcript."""
         with self._lock:
             self._lines.append(one_line(line))
         self._tell()
 
     def log(self, line: str) -> None:
-        """One more line of the log, which may bring its own colours."""
+        """Add a line to the log, which may bring its own colours."""
         with self._lock:
             self._log_lines.append(printable_in_colour(line))
         self._tell()
 
     def take(self) -> ScreenUpdate:
-        """What is new since the last time."""
+        """Return the news since the last call."""
         with self._lock:
             self._told = False
             lines = tuple(self._lines)

@@ -1,9 +1,8 @@
 """The socket `/ws/sound`: a page's microphone to the robot's ears, and the robot's speech back.
 
-Only the operator who holds the lease is heard. What is old is dropped, both ways: nothing that was
-said before a hole in the line is acted on after it.
-
-What of the robot's speech is still to be sent to a page, and how late a page's own sound is.
+Only the operator with the lease is heard. Old sound is dropped, both ways: nothing that was said
+before a gap in the connection is acted on after it. `SoundQueue` holds the speech for a page;
+`Lateness` measures the delay of the page's own sound.
 """
 
 import asyncio
@@ -38,7 +37,7 @@ _WRAP = 1 << 32
 
 
 class Lateness:
-    """How much later sound comes than the most prompt of late; both clocks count milliseconds."""
+    """The delay of sound against the promptest recent sound; both clocks count milliseconds."""
 
     def __init__(self) -> None:
         self._least = 0.0
@@ -66,9 +65,9 @@ class SendsSound(Protocol):
 
 
 class SoundQueue:
-    """Pieces of 20 ms, each only while it is younger than `old_s`. Belongs to the loop's thread.
+    """Pieces of 20 ms, each sent only while it is younger than `old_s`. For the loop's thread.
 
-    Words about the state go first; a flush takes the place of all sound before it.
+    State messages go first; a flush replaces all sound before it.
     """
 
     def __init__(self, clock: Clock, old_s: float) -> None:
@@ -120,12 +119,12 @@ class SoundQueue:
 
 
 MOST_BYTES = 1024
-"""Of one message from a page."""
+"""The most bytes of one message from a page."""
 OLD_S = 0.2
-"""Sound that is later than this is not taken, and not sent."""
+"""Sound later than this is not taken, and not sent."""
 HOLE_S = 1.0
-"""Sound that is later than this came after a hole, which ends the line: what was being said does
-not count, and no clock is trusted any further."""
+"""Sound later than this came after a gap, which ends the connection: the unfinished utterance
+does not count, and the clocks are no longer trusted."""
 HEAD = struct.Struct("<II")
 """Before the samples of a page: sequence, and the page's milliseconds; both start over at 2**32."""
 FRAME_BYTES = 640
@@ -133,11 +132,11 @@ FRAME_BYTES = 640
 PER_S, BURST = 75.0, 250
 """Messages of one page: half as many again as it sends, and what a hole in the line held back."""
 LOOK_S = 0.5
-"""So often it is asked again whether a page may go on."""
+"""Seconds between checks whether a page may go on."""
 
 
 class Talk(BaseModel):
-    """The button is held, or let go: what is said meanwhile is meant for the robot."""
+    """The talk button is held, or let go: speech meanwhile is for the robot."""
 
     model_config = ConfigDict(extra="forbid", strict=True)
     type: Literal["talk"]
@@ -145,7 +144,7 @@ class Talk(BaseModel):
 
 
 class Open(BaseModel):
-    """The microphone is open: whoever wants something says the wake word, if there is one."""
+    """The microphone is open: the speaker says the wake word, if there is one."""
 
     model_config = ConfigDict(extra="forbid", strict=True)
     type: Literal["open"]
@@ -174,7 +173,7 @@ class SoundLine:
         self._numbers = itertools.count(1)
 
     def may_speak(self, session: Session) -> bool:
-        """Whether it is an operator's who holds the lease."""
+        """Return whether the session is an operator's that holds the lease."""
         return session.role is Role.OPERATOR and self.hub.lease.state.holder == session.id
 
     def client(self, session: Session) -> str:
@@ -183,7 +182,7 @@ class SoundLine:
 
 
 class SoundPage:
-    """One page on `/ws/sound`, from `run` until it is gone."""
+    """A page on `/ws/sound`, from `run` until it is gone."""
 
     def __init__(self, line: SoundLine, session: Session, socket: web.WebSocketResponse) -> None:
         self._line = line
@@ -229,7 +228,7 @@ class SoundPage:
             await self._socket.close(code=SLOW)
 
     async def _watch(self) -> None:
-        """Who may no longer speak is heard no longer, who is no longer let in hears nothing."""
+        """Mute a page that may no longer speak, and disconnect one whose session has ended."""
         while self._line.hub.sessions.is_there(self._session):
             self._may_go_on()
             await asyncio.sleep(LOOK_S)
@@ -292,7 +291,7 @@ class SoundPage:
         return self._speaks
 
     def _fall_silent(self) -> None:
-        """What was being said does not count."""
+        """Abandon the utterance: it does not count."""
         self._held = self._on = False
         if self._speaks:
             self._speaks = False
@@ -315,6 +314,6 @@ class SoundPage:
 
 
 def _soon(loop: asyncio.AbstractEventLoop, act: Callable[[], object]) -> None:
-    """On the loop's thread, from any other; nothing if it was closed just now."""
+    """Call `act` on the loop's thread, from any other; do nothing if the loop was just closed."""
     with suppress(RuntimeError):
         loop.call_soon_threadsafe(act)

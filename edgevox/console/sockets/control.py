@@ -1,12 +1,4 @@
-"""The socket `/ws`: what a page asks for and what it is told, as JSON.
-
-A stop is done as soon as it is read, on the loop's thread, be it the button, the word or the skill:
-nothing is before it. So are the stick and what resumes. Everything else waits its turn on a worker.
-
-What a page had sent before a stop is void, also where it is read only after it. A page is therefore
-pinged when something stops: the pong comes behind all that was sent before, and only what comes
-after it counts as asked for after the stop. Every WebSocket answers a ping by itself.
-"""
+"""The socket `/ws`: a page's requests and the robot's messages, as JSON."""
 
 import asyncio
 from collections.abc import Callable
@@ -32,12 +24,12 @@ log = get_logger(__name__)
 
 PER_S, BURST = 20.0, 40
 FLOOD_PER_S, FLOOD_BURST = 100.0, 400
-"""Whoever says more than this, whatever it is, is hung up on."""
+"""A client that sends more messages than this, of any kind, is disconnected."""
 MOST_WAITING = 40
 
 
 class NotPermitted(Exception):
-    """What was asked for is not done; `code` says why to a page."""
+    """A request is refused; `code` tells a page why."""
 
     def __init__(self, code: str, message: str) -> None:
         self.code = code
@@ -46,7 +38,7 @@ class NotPermitted(Exception):
 
 @dataclass(frozen=True)
 class SocketLimits:
-    """How much pages may say, by client; what is no message is `bad`, and counted."""
+    """Rate limits by client; invalid messages are counted in `bad`."""
 
     commands: PageRateLimit
     flood: PageRateLimit
@@ -54,14 +46,14 @@ class SocketLimits:
 
     @classmethod
     def usual(cls, clock: Clock, bad: BadRequests) -> "SocketLimits":
-        """As much as a person with a stick needs."""
+        """Make limits that suit a person with a stick."""
         return cls(
             PageRateLimit(clock, PER_S, BURST), PageRateLimit(clock, FLOOD_PER_S, FLOOD_BURST), bad
         )
 
 
 class ControlPage:
-    """One page on `/ws`, from `run` until it is gone.
+    """A page on `/ws`, from `run` until it is gone.
 
     `mark` is the interlock's from before the page could say anything.
     """
@@ -127,9 +119,9 @@ class ControlPage:
                 await self._closing
 
     def stopped(self, mark: int) -> None:
-        """Everything was stopped, or allowed again: the interlock is at `mark`.
+        """React to a stop, or its release: the interlock is at `mark`.
 
-        What this page itself asked for so comes before all that it says from now on.
+        A stop that this page asked for comes before all its later messages.
         """
         if self._asks and self._mark == mark - 1:
             self._mark = mark
@@ -162,7 +154,7 @@ class ControlPage:
             self.hang_up(SLOW)
 
     def take(self, text: str) -> None:
-        """Do, or put in line, what it says. Never waits."""
+        """Do the page's message, or put it in line. Never waits."""
         self._asks = True
         try:
             self._read(text)
@@ -187,7 +179,7 @@ class ControlPage:
         self._answer(message, lambda: self._take(message))
 
     def _take(self, message: Message) -> bool:
-        """Whether it is done; what is not waits in line."""
+        """Return whether the message is done; otherwise it waits in line."""
         releases = isinstance(message, page_messages.Drive) and message.releases
         if releases and self._hub.driving:
             self._hub.driving.release(self)
@@ -221,7 +213,7 @@ class ControlPage:
             self._say({"type": "ok", "reply_to": message.id})
 
     def _stops(self, message: Message) -> bool:
-        """Whether it stops the robot by the word or the skill; nobody needs a right to that."""
+        """Return whether it stops the robot by the word or the skill; that needs no right."""
         try:
             command = command_of(self._hub.context, self.session, message)
         except NotHere:
@@ -280,7 +272,7 @@ class ControlPage:
             raise NotPermitted("rate", "too much waits to be done") from None
 
     async def _work(self) -> None:
-        """Do what waits, one after another; who may do it is asked again when it is done."""
+        """Do the waiting messages in order; the right to each is checked again at its turn."""
         while True:
             message, mark = await self._waiting.get()
             try:

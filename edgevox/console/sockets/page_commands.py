@@ -1,4 +1,4 @@
-"""What a page asks for, as commands of the robot. On a worker thread: they may wait."""
+"""A page's requests as commands of the robot. On a worker thread: they may wait."""
 
 from edgevox.console import page_messages
 from edgevox.console.context import ConsoleContext, ConsoleRecorder
@@ -66,7 +66,10 @@ def _record(
     session: Session,
     message: page_messages.Record | page_messages.DeleteRecording,
 ) -> None:
-    """What people say is kept by it, or lost with it: the log has who did that."""
+    """Start, stop or delete a recording.
+
+    It holds what people say, so the log tells who did that.
+    """
     recorder = _recorder(context)
     action, name = "delete", ""
     match message:

@@ -1,4 +1,4 @@
-"""The socket `/ws/view`: pictures, the newest only, the next one after the page has this one."""
+"""The socket `/ws/view`: the newest picture only; the next one when the page has this one."""
 
 import asyncio
 from collections.abc import Callable
@@ -10,7 +10,7 @@ from edgevox.console.outbox import SEND_S
 from edgevox.console.page_hub import GONE, PageHub
 
 PERIOD_S = 0.2
-"""A picture is made at most so often, however many look."""
+"""The shortest time between two pictures, however many pages look."""
 ACK = "ack"
 
 
@@ -26,7 +26,7 @@ class PictureSocket:
         self._picture: bytes | None = None
 
     async def after(self, number: int, wanted: Callable[[], bool]) -> tuple[int, bytes] | None:
-        """One newer than that of this number, with its own; None as soon as it is not wanted."""
+        """Return a picture newer than `number`, with its own number; None once it is not wanted."""
         loop = asyncio.get_running_loop()
         while wanted():
             async with self._lock:

@@ -10,8 +10,8 @@ from edgevox.robots.world.model import World
 class ApartmentRobot(DiffDriveRobot):
     """A `DiffDriveRobot` in pymunk, in the apartment or any other world.
 
-    Nothing in it is random: the same world and the same requests give the same run. What a world
-    file leaves to chance is decided by `load_world` and its seed.
+    It is deterministic: the same world and the same requests give the same run. `load_world` and
+    its seed decide the random parts of a world file.
     """
 
     def __init__(

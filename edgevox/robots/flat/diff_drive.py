@@ -48,7 +48,7 @@ def describe_motion(motion: MotionState) -> dict[str, Any]:
 
 
 def describe_goal(drive: NavigationMotion | None) -> dict[str, float] | None:
-    """Where a drive goes to, how far it is (0 to 1), and the metres that are left; None without."""
+    """Describe a drive: its goal, its progress (0 to 1), and the metres left; None without one."""
     if drive is None:
         return None
     progress = drive.progress()
@@ -65,13 +65,19 @@ _TRAIL_SHOWN = 400  # points of 0.05 m
 
 
 class DiffDriveRobot(SteppedBySimLoop, SimulatedBody):
-    """A body with a pose, a lidar, a battery, rooms, and the sense to drive somewhere by itself.
+    """A robot on two wheels with a pose, a lidar, a battery and rooms, which drives by itself.
 
-    `speed` is how many seconds pass in its world each second, 1 for real time. With None, for
-    tests, they pass as fast as they can while it drives or comes to rest; otherwise, also while
-    somebody sends velocities, only as far as `advance` asks. With 0 that is always so.
-    Every method may be called from any thread. A cancelled or halted robot is asked for zero
-    velocity before the call returns and stands within 0.1 s of its own time.
+    Args:
+        name: The robot's name.
+        world: The world that it drives in.
+        engine: The simulator.
+        speed: Seconds of its world per second: 1 is real time. None, for tests, is as fast as
+            possible while it drives or comes to rest, and otherwise, even during a velocity stream,
+            only as far as `advance` asks. 0 is always only as far as `advance` asks.
+        clock: The time; the system's by default.
+
+    Every method may be called from any thread. A cancelled or halted robot gets zero velocity
+    before the call returns, and stands within 0.1 s of its own time.
     """
 
     def __init__(
@@ -149,7 +155,7 @@ class DiffDriveRobot(SteppedBySimLoop, SimulatedBody):
         self._sim_loop.close()
 
     def reset(self) -> None:
-        """Everything back where it started, with a full battery; time goes on."""
+        """Put everything back to the start, with a full battery; time goes on."""
         with self._lock:
             self._mux.halt(Cancelled(called_off("world_reset")))
             self._run = DiffDriveRun(self.world, self._engine, self._mux)
@@ -167,12 +173,12 @@ class DiffDriveRobot(SteppedBySimLoop, SimulatedBody):
         return self._run.battery.charge  # not locked: a step that hangs must not hide how it is
 
     def trail(self) -> tuple[Point, ...]:
-        """Where the robot has been since the start or a reset, at most the last 5000 points."""
+        """Return the robot's path since the start or a reset, at most the last 5000 points."""
         with self._lock:
             return tuple(self._run.trail)
 
     def movable_poses(self) -> tuple[Pose2D, ...]:
-        """Where the things that can be pushed are, in the world's order."""
+        """Return the poses of the pushable things, in the world's order."""
         with self._lock:
             return self._engine.movable_poses()
 
@@ -212,8 +218,8 @@ class DiffDriveRobot(SteppedBySimLoop, SimulatedBody):
     def drive_to(self, x_m: float, y_m: float, *, token: CancelToken, report: Report) -> None:
         """Block until there. Raises `SkillFailed` with a reason, `Cancelled` if it was ended.
 
-        A halt, a velocity or another drive ends it. One that is refused disturbs nothing. Its way
-        goes round forbidden rooms, also round those that become forbidden while it drives.
+        A halt, a velocity or another drive ends it. A refused drive disturbs nothing. The path
+        avoids forbidden rooms, even those that become forbidden during the drive.
         """
         goal = (finite("x", x_m), finite("y", y_m))
         token.check()
@@ -282,7 +288,7 @@ class DiffDriveRobot(SteppedBySimLoop, SimulatedBody):
         return drive
 
     def _forbidden_rooms(self) -> Sequence[Room]:
-        """Asked without the lock: whoever tells it may read a file."""
+        """Return the forbidden rooms, without the lock: the policy may read a file."""
         names = frozenset(self._forbidden())
         return tuple(room for room in self.world.rooms if room.name in names)
 
@@ -303,7 +309,7 @@ class DiffDriveRobot(SteppedBySimLoop, SimulatedBody):
         )
 
     def _give_up(self) -> None:
-        """A step failed: nobody knows what the next one would do with this motion."""
+        """End the motion after a failed step: the next one might do anything with it."""
         self._mux.halt(SkillFailed(BROKE))
 
     def _report(self, drive: NavigationMotion, report: Report) -> None:
@@ -319,7 +325,7 @@ class DiffDriveRobot(SteppedBySimLoop, SimulatedBody):
         )
 
     def _step(self) -> bool:
-        """One step of the world, on the sim loop's thread. True if more is to come."""
+        """Do a step of the world, on the sim loop's thread. Return whether more is to come."""
         with self._lock:
             self._ticks += 1
             self._run.step(self._now_s)

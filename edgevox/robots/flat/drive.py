@@ -1,4 +1,4 @@
-"""One drive to a point: plans, follows, plans again when something is in the way, ends once."""
+"""A drive to a point: plans, follows, plans again around an obstacle, and ends once."""
 
 from collections.abc import Sequence
 
@@ -15,9 +15,9 @@ from edgevox.robots.shapes import Point
 from edgevox.robots.world.model import RobotSpec, Room
 
 PATIENCE_S = 2.0
-"""How long the robot may stand still on its way before it plans again."""
+"""Seconds without motion on the way, after which the robot plans again."""
 TRIES = 3
-"""How often it plans again from one place before it says that it is stuck."""
+"""Plans from one place, after which the robot is stuck."""
 _LOOK_EVERY_S = 0.5
 _SHIFTED_M = 0.03
 _PROGRESS_M = 0.1
@@ -39,9 +39,9 @@ class NavigationMotion(Motion):
         movable: Sequence[Pose2D],
         forbidden: Sequence[Room] = (),
     ) -> None:
-        """`cruise_m_s` is how fast it will get on, `forbidden` what it drives round.
+        """Plan the path. Raises `SkillFailed` if there is none.
 
-        Raises `SkillFailed` if no way leads there.
+        `cruise_m_s` is the expected speed, `forbidden` are rooms to avoid.
         """
         super().__init__()
         self.goal = goal
@@ -71,7 +71,7 @@ class NavigationMotion(Motion):
             self._forbidden, self._detour = tuple(forbidden), True
 
     def progress(self) -> Progress:
-        """How far it is."""
+        """Return the progress of the drive."""
         left = 0.0 if self._follower.arrived else self._follower.remaining_m
         part = 1.0 if self._follower.arrived else 1.0 - left / self._whole_m
         return Progress(min(max(part, 0.0), 1.0), left, "m")

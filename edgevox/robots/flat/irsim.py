@@ -1,18 +1,15 @@
 """`robot-irsim`: the same robot in the same apartment, simulated with IR-SIM.
 
-The 2D world in IR-SIM: a driven robot, solid walls, furniture that slides when pushed.
+The world has a driven robot, solid walls, and furniture that slides when pushed. IR-SIM's rigid
+contacts (`collision_mode: contact`) move a thing with a mass, as pymunk does, by another law: the
+robot pushes a thing that its wheels' grip can overcome, without slowing down, and stands before a
+heavier one. IR-SIM keeps its current world in variables of its modules, so one thread at a time
+works with it, however many worlds there are.
 
-IR-SIM's rigid contacts (`collision_mode: contact`) move what has a mass, as pymunk does, with
-another law: a robot pushes what its wheels' grip can overcome and does not slow down, and stands
-before what is heavier. IR-SIM keeps the world that it works on in variables of its modules, so one
-thread at a time works with it, however many worlds there are.
-
-Writes a world as IR-SIM wants it: exactly what the planner knows, and nothing else.
-
-The file that a user gives is in IR-SIM's own format already. It is read and checked once, by
-`world.py`, and handed on from there, so that both simulators and the planner see the same things in
-the same places, also those that the file leaves to chance. What IR-SIM would leave open is added:
-the world's edges are solid.
+`irsim_config` writes a world for IR-SIM: exactly the planner's knowledge, and nothing more. A
+user's file is in IR-SIM's own format already. `robots/world` reads and checks it once, so that both
+simulators and the planner see the same things in the same places, even the random ones. One thing
+is added that IR-SIM would leave open: the world's edges are solid.
 """
 
 import contextlib
@@ -48,7 +45,7 @@ GRAVITY_M_S2 = 9.81
 
 
 def irsim_config(world: World) -> Config:
-    """What to write into IR-SIM's YAML file. The objects are the robot, the things, the edges.
+    """Return the content of IR-SIM's YAML file. Its objects are the robot, the things, the edges.
 
     Raises `InvalidValue` for a shape that IR-SIM cannot stand in the world.
     """
@@ -180,7 +177,7 @@ class IrsimEngine:
         return tuple(_pose(one) for one in self._movable)
 
     def scan(self, time_s: float) -> LidarScan:
-        """As IR-SIM spreads the beams: a full circle has its first one twice."""
+        """Return a sweep with IR-SIM's spacing of beams: a full circle has its first one twice."""
         lidar = self._lidar
         with _ONE_AT_A_TIME:
             lidar.step(self._robot.state[:3])
@@ -206,7 +203,7 @@ class IrsimEngine:
 
 
 def make_environment(world: World) -> Any:
-    """IR-SIM's own environment; silent, since the terminal belongs to somebody else."""
+    """Make IR-SIM's own environment; silent, since the terminal belongs to the agent."""
     config = irsim_config(world)
     irsim = _import()
     with tempfile.TemporaryDirectory(prefix="edgevox-irsim-") as folder:
@@ -218,7 +215,7 @@ def make_environment(world: World) -> Any:
 
 
 def _import() -> Any:
-    """The package; what it prints goes to the log."""
+    """Import the package; its output goes to the log."""
     printed = io.StringIO()
     try:
         with contextlib.redirect_stdout(printed):
@@ -241,10 +238,10 @@ def _pose(one: Any) -> Pose2D:
 class IrsimRobot(DiffDriveRobot):
     """A `DiffDriveRobot` in IR-SIM, in the apartment or any other world.
 
-    Walls are solid and furniture with a mass can be pushed, by IR-SIM's own law of contacts.
-    IR-SIM's goals and behaviours are not used: the drives are ours. Nothing in it is random;
-    what a world file leaves to chance is decided by `load_world` and its seed.
-    Raises `EdgeVoxError` where IR-SIM is not installed.
+    Walls are solid and furniture with a mass can be pushed, by IR-SIM's own law of contacts. Drives
+    are planned and steered by EdgeVox, not by IR-SIM's goals and behaviours. It is deterministic;
+    `load_world` and its seed decide the random parts of a world file. Raises `EdgeVoxError` if
+    IR-SIM is not installed.
     """
 
     def __init__(

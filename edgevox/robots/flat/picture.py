@@ -1,8 +1,7 @@
-"""A 2D world as an image: rooms, walls, furniture, what the lidar sees, where the robot drove.
+"""A 2D world as an image: rooms, walls, furniture, the lidar's points, the robot's path.
 
-Needs Pillow; nothing that runs a robot imports it.
-
-The paper that a 2D world is drawn on, in metres. Needs Pillow.
+`Sheet` is the paper that the world is drawn on, in metres. Needs Pillow; no module that runs a
+robot imports it.
 """
 
 import math
@@ -40,7 +39,7 @@ _TRAIL_TO: Color = (226, 40, 96, 255)
 _ROBOT: Color = (37, 99, 235, 255)
 _LIGHT: Color = (255, 255, 255, 255)
 _LARGE_M, _SMALL_M = 0.36, 0.15
-"""How high letters are."""
+"""Heights of letters."""
 
 
 class Sheet:
@@ -214,7 +213,7 @@ def _mixed(one: Color, other: Color, part: float) -> Color:
 
 
 SMOOTHING = 3
-"""Everything is drawn this much larger and shrunk at the end: smooth edges."""
+"""The factor by which a picture is drawn larger and then shrunk, for smooth edges."""
 _FLOORS: tuple[Color, ...] = (
     (253, 246, 231, 255),
     (240, 242, 252, 255),

@@ -1,6 +1,6 @@
-"""Plans a way through a 2D world for a round robot, or says in words why there is none.
+"""A path planner for a round robot in a 2D world; a failure gives its reason in words.
 
-A grid over the world that knows, for each cell, how far its centre is from what is solid.
+`Grid` knows the distance from each cell's centre to the nearest solid thing.
 """
 
 import math
@@ -23,7 +23,7 @@ MOST_CELLS = 1000
 
 
 def cell_size(world: World) -> float:
-    """How wide the cells of a world's grid are, in metres."""
+    """Return the width of the cells of a world's grid, in metres."""
     return max(CELL_M, max(world.width_m, world.height_m) / MOST_CELLS)
 
 
@@ -104,10 +104,10 @@ CLEARANCE_M = 0.05
 COMFORT_M = 0.2
 """Kept from everything where there is room; closer costs three times as much."""
 _ESCAPE_M = 0.5
-"""How far a robot that stands too close to something may look for a free place."""
+"""The radius within which a robot that stands too close to a thing looks for a free place."""
 
 _ENDLESS = np.iinfo(np.int32).max
-"""How far a cell is that no way leads to."""
+"""The distance of a cell that cannot be reached."""
 _SAMPLES = 200
 
 Costs = NDArray[np.int8]
@@ -216,7 +216,7 @@ class PathPlanner:
         return _joined(start, _straightened(grid, cost, middle), goal)
 
     def _cost(self, grid: Grid) -> Costs:
-        """What each cell costs to pass; 0 for one that cannot be."""
+        """Return the cost to pass each cell; 0 for an impassable one."""
         cost = np.ones(grid.clearance_m.shape, dtype=np.int8)
         cost[grid.clearance_m < self._comfort_m] = 3
         cost[grid.clearance_m < self._least_m] = 0
@@ -230,7 +230,7 @@ def _pathfinder(cost: Costs, root: tuple[int, int]) -> tcod.path.Pathfinder:
 
 
 def _finder(cost: Costs, root: tuple[int, int]) -> tcod.path.Pathfinder:
-    """One that knows how far every cell is."""
+    """Return a path finder that knows the distance to every cell."""
     finder = _pathfinder(cost, root)
     finder.resolve()
     return finder

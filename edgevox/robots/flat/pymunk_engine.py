@@ -3,10 +3,10 @@
 Wheels and friction are joints with a limited force, as pymunk asks for in a view from above: one
 joint pulls the robot to the velocity of a kinematic body that follows the command, one pulls each
 movable thing to rest. So contacts win over the command and nothing sinks into a wall. No joint
-corrects a position (`max_bias` is 0), so it does not matter where that kinematic body is.
-Not safe to use from two threads at a time.
+corrects a position (`max_bias` is 0), so it does not matter where that kinematic body is. Not safe
+to use from two threads at a time.
 
-A 2D lidar by ray casting, all beams against all sides at once in NumPy.
+`Lidar` is a 2D lidar by ray casting, all beams against all sides at once in NumPy.
 """
 
 import math
@@ -38,10 +38,10 @@ _PARALLEL = 1e-12
 def cast(
     origin: tuple[float, float], angles_rad: Floats, segments: Floats, discs: Floats
 ) -> Floats:
-    """How far rays go until they hit something, (n,); infinite if they do not.
+    """Return the lengths of rays up to the first hit, (n,); infinite without one.
 
-    `angles_rad` (n,) in the frame of the others; `segments` (m, 4) as x1, y1, x2, y2; `discs`
-    (k, 3) as x, y, radius. A ray that starts inside a disc hits its far side.
+    `angles_rad` (n,) in the frame of the others; `segments` (m, 4) as x1, y1, x2, y2; `discs` (k,
+    3) as x, y, radius. A ray that starts inside a disc hits its far side.
     """
     rays = np.stack([np.cos(angles_rad), np.sin(angles_rad)], axis=1)
     return np.minimum(_to_segments(origin, rays, segments), _to_discs(origin, rays, discs))
@@ -60,7 +60,7 @@ class Lidar:
         self._angles: Floats = first_rad + self._spec.increment_rad * numbers
 
     def scan(self, time_s: float, robot: Pose2D, movable: Sequence[Pose2D]) -> LidarScan:
-        """One sweep, from where the robot and the movable things are."""
+        """Return a sweep from these poses of the robot and the pushable things."""
         segments, discs = _outlines(zip(self._movable, movable, strict=True))
         x, y = to_map((self._spec.mount.x_m, self._spec.mount.y_m), robot)
         far = cast(

@@ -1,12 +1,10 @@
-"""What happens to a 2D robot from one reset to the next, step by step.
+"""A run of a 2D robot, from one reset to the next, step by step.
 
-How fast the wheels of a 2D robot change their speed: within its limits, but to brake.
+`VelocityRamp` limits the change of the wheels' speed, except for braking.
 
-A battery: what the robot does costs energy, standing on the dock brings it back.
-
-Power drawn is `idle_w` always, and for actual motion `linear_w_per_m_s` for each metre per second
-and `angular_w_per_rad_s` for each radian per second. Within `DOCK_REACH_M` of the dock, standing,
-it charges with `charge_w`.
+`Battery` loses charge by what the robot does, and gains it on the dock. It draws `idle_w` always,
+and for actual motion `linear_w_per_m_s` for each metre per second and `angular_w_per_rad_s` for
+each radian per second. Within `DOCK_REACH_M` of the dock, standing, it charges with `charge_w`.
 """
 
 import math
@@ -66,7 +64,7 @@ class Battery:
 
     @property
     def charge(self) -> float:
-        """What is left, 0 to 1."""
+        """The charge, 0 to 1."""
         return self._left_wh / self._spec.capacity_wh
 
     @property
@@ -88,7 +86,7 @@ MOST_TRAIL_POINTS = 5000
 TRAIL_STEP_M = 0.05
 _MOVING_M_S = 1e-3  # and rad/s
 _LOOK_EVERY_STEPS = 10
-"""How often furniture is looked at; a drive does so every 25 steps."""
+"""Steps between two looks at the furniture; a drive looks every 25 steps."""
 
 
 class DiffDriveRun:
@@ -111,7 +109,7 @@ class DiffDriveRun:
 
     @property
     def busy(self) -> bool:
-        """Whether something is asked, or the robot still brakes."""
+        """Whether a motion is asked for, or the robot still brakes."""
         return self._mux.busy or self.ramp.velocity != STILL
 
     @property

@@ -17,7 +17,8 @@ FEWEST_COLUMNS, MOST_COLUMNS = 20, 240
 _SAMPLES = 3
 """Along each side of a character."""
 _LEAST_WALL, _LEAST_THING = 0.01, 0.5
-"""Which part of a character must be covered: any part by a wall, so that thin ones stay whole."""
+"""The share of a character that must be covered: any share for a wall, so that thin ones stay
+whole."""
 
 
 def draw(
@@ -93,7 +94,7 @@ class _Canvas:
         return "\n".join("".join(row).rstrip() for row in self._cells)
 
     def _covered(self, shape: Shape, samples: Floats) -> Floats:
-        """Which part of each character of a window a shape covers, (rows, columns)."""
+        """Return the share of each character of a window that a shape covers, (rows, columns)."""
         points = samples.reshape(-1, 2)
         thin = self.cell_m / _SAMPLES
         hit = distance(shape, points) < thin if isinstance(shape, Line) else inside(shape, points)

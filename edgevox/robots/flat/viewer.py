@@ -31,15 +31,15 @@ Pixels = NDArray[np.uint8]
 
 
 def has_display(environment: Mapping[str, str] = os.environ) -> bool:
-    """Whether there is a screen to show a window on."""
+    """Return whether there is a screen for a window."""
     return bool(environment.get("DISPLAY") or environment.get("WAYLAND_DISPLAY"))
 
 
 class Viewer:
-    """A window that shows `picture` again and again, ten times a second at most.
+    """A window that shows `picture` repeatedly, ten times a second at most.
 
-    `picture` gives (height, width, 3), RGB, and is called on the viewer's own thread only. One that
-    cannot be shown, or a window that somebody closes, ends the viewer with one line in the log.
+    `picture` returns (height, width, 3), RGB, and is called on the viewer's own thread only. A
+    picture that cannot be shown, or a closed window, ends the viewer with one line in the log.
     """
 
     def __init__(
@@ -54,7 +54,7 @@ class Viewer:
 
     @property
     def running(self) -> bool:
-        """Whether the window is fed with pictures."""
+        """Whether the window gets pictures."""
         return self._thread is not None and self._thread.is_alive()
 
     def start(self) -> None:

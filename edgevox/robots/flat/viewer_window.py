@@ -1,7 +1,7 @@
-"""The window of a `Viewer`, a program of its own: shows the PPM pictures that come on its input.
+"""The window of a `Viewer`, as a program: shows the PPM pictures that come on its input.
 
-It ends with its input or when somebody closes it. Needs nothing but tkinter, which Debian packs
-apart from Python. Why it could not start is its last line on standard error.
+It ends with its input or when its window is closed. It needs nothing but tkinter, which Debian
+packs apart from Python. The reason of a failed start is its last line on standard error.
 """
 
 import os
@@ -36,7 +36,10 @@ class Pictures:
         return picture
 
     def _size(self) -> int:
-        """Of the picture that has begun, header and all; 0 while its header is not whole."""
+        """Return the size of the current picture, header included.
+
+        0 while its header is incomplete.
+        """
         header = _HEADER.match(self._bytes)
         if header is None:
             if b"\n" in self._bytes or len(self._bytes) > 20:

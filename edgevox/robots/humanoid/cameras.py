@@ -1,4 +1,4 @@
-"""What the robot sees, and how it looks to somebody who walks beside it."""
+"""The humanoid's cameras: the view from its head, and the view of a person who walks beside it."""
 
 import math
 from dataclasses import replace
@@ -18,22 +18,22 @@ from edgevox.robots.mujoco.snapshot import Snapshot
 WIDTH_PX, HEIGHT_PX = 320, 240
 VERTICAL_FOV_RAD = math.radians(60.0)
 DOWN_RAD = math.radians(25.0)
-"""How far the head camera looks down: a robot that walks looks where it goes."""
+"""The tilt of the head camera: a robot that walks looks where it goes."""
 _HEAD = 1.6
 """Height of the eyes, of the pelvis's when it stands."""
 _FACE_M = 0.22
-"""How far ahead of the pelvis the camera is: in front of the face, also while the body leans."""
+"""The camera's distance ahead of the pelvis: in front of the face, even while the body leans."""
 _BESIDE_RAD = math.radians(145.0)
 _ABOVE_DEG = -12.0
 _AWAY = 3.4
 
 
 class HumanoidCameras:
-    """Renders on a thread of its own. `look` needs the world's lock, the others do not.
+    """Renders on its own thread. `look` needs the world's lock, the others do not.
 
     The head camera hangs in the frame of the robot's pose on the floor, always level and at one
-    height, as if a gimbal held it. So what it shows agrees with where transforms say it is, which
-    one that sways with the body would not; a robot that lies on the floor still sees from there.
+    height, as if a gimbal held it. So its picture agrees with its transform, which it would not if
+    the camera swayed with the body; and a robot that lies on the floor still sees from there.
     """
 
     def __init__(self, environment: MujocoHumanoidEnvironment, *, name: str) -> None:
@@ -55,7 +55,7 @@ class HumanoidCameras:
         return self._environment.snapshot(time_s, face, self._height_m, DOWN_RAD)
 
     def head(self, moment: Snapshot) -> CameraImage:
-        """What the head camera saw then."""
+        """Return the head camera's picture of that moment."""
         size = (WIDTH_PX, HEIGHT_PX)
         return CameraImage(moment.time_s, self._renderer.render(HEAD_CAMERA, moment, size_px=size))
 

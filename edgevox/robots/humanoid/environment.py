@@ -1,6 +1,6 @@
-"""A humanoid on a wide floor in MuJoCo, with whatever makes it walk.
+"""A humanoid on a wide floor in MuJoCo, with its walker.
 
-Speeds that rise evenly and fall at once: a robot must not be torn off its feet.
+`eased` lets speeds rise evenly and fall at once: a robot must not be torn off its feet.
 """
 
 from pathlib import Path
@@ -23,7 +23,7 @@ RISE_RAD_S2 = 2.0
 
 
 def eased(now: WalkingCommand, wanted: WalkingCommand, seconds: float) -> WalkingCommand:
-    """What to walk at next: `wanted`, or as near to it as speeds may rise in this time."""
+    """Return the next command: `wanted`, or as near to it as speeds may rise in this time."""
     if wanted == now:
         return now
     return WalkingCommand(
@@ -40,11 +40,11 @@ def _risen(now: float, wanted: float, most: float) -> float:
 
 
 class MujocoHumanoidEnvironment:
-    """One robot of an MJCF file, stepped by whoever owns it. Not thread-safe.
+    """A robot of an MJCF file on a wide floor, stepped by its owner. Not thread-safe.
 
     With a walking policy the robot walks in physics: every force is MuJoCo's, and it can fall.
-    Without one a procedural gait moves its base and its joints outright, and `simulation` says
-    "kinematic". What is random comes from `seed`: how evenly it stands when it begins. Raises
+    Without one, a procedural gait sets the positions of its base and joints, and `simulation` is
+    "kinematic". `seed` decides the only randomness: how evenly it stands at the start. Raises
     `InvalidValue` for the fields `mjcf` and `policy`.
     """
 
@@ -77,22 +77,25 @@ class MujocoHumanoidEnvironment:
 
     @property
     def policy(self) -> WalkingPolicy | None:
-        """What it walks by, if it walks in physics."""
+        """The policy, if it walks in physics; else None."""
         return self._policy
 
     @property
     def walker(self) -> Walker:
-        """What makes it walk, for tests and the curious."""
+        """The walker, for tests and diagnosis."""
         return self._walker
 
     @property
     def simulation(self) -> Literal["physics", "kinematic"]:
-        """Whether forces move it, or a procedural gait moves it without any."""
+        """The kind of simulation.
+
+        "physics" by forces, "kinematic" by a procedural gait's positions.
+        """
         return self._walker.simulation
 
     @property
     def gait(self) -> str:
-        """What decides its steps: the policy's name, or "procedural gait"."""
+        """The source of its steps: the policy's name, or "procedural gait"."""
         return self._walker.name
 
     @property
@@ -107,7 +110,7 @@ class MujocoHumanoidEnvironment:
 
     @property
     def limits(self) -> WalkerLimits:
-        """How fast and how exactly it walks."""
+        """The limits of its speed and precision."""
         return self._walker.limits
 
     @property
@@ -122,17 +125,17 @@ class MujocoHumanoidEnvironment:
 
     @property
     def velocity(self) -> Twist2D:
-        """Of the pelvis: ahead, and turning."""
+        """The pelvis's velocity: ahead, and turning."""
         return self._walker.base.velocity()
 
     @property
     def height_m(self) -> float:
-        """Of the pelvis above the floor."""
+        """The height of the pelvis above the floor."""
         return self._walker.base.height_m
 
     @property
     def stand_height_m(self) -> float:
-        """As `height_m`, when it stands."""
+        """The height of the pelvis above the floor while it stands."""
         return self._walker.base.stand_height_m
 
     @property

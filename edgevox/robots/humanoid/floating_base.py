@@ -1,4 +1,4 @@
-"""The robot's base, its pelvis: where it is, how it moves, whether the robot has fallen."""
+"""The robot's base, its pelvis: its pose, its velocity, and the test for a fall."""
 
 import math
 
@@ -11,14 +11,14 @@ from edgevox.robots.capabilities import Twist2D
 
 FALLEN_TILT_RAD = math.radians(55.0)
 FALLEN_HEIGHT = 0.6
-"""Of the height that it stands at."""
+"""The share of the standing height below which the robot has fallen."""
 _COS_FALLEN = math.cos(FALLEN_TILT_RAD)
 
 
 class FloatingBase:
-    """Reads and writes the free joint of one body. `place` is where its 7 numbers begin.
+    """Reads and writes the free joint of one body. `place` is the index of its first `qpos`.
 
-    It is looked at in every period, so it works with plain numbers: they are what is fastest.
+    It is read in every period, so it works with plain numbers, which are fastest.
     """
 
     def __init__(self, model: mujoco.MjModel, data: mujoco.MjData, name: str) -> None:
@@ -34,17 +34,17 @@ class FloatingBase:
 
     @property
     def pose(self) -> Pose2D:
-        """On the floor: where it was when it was last looked at, and which way it looked."""
+        """The pose on the floor at the last look."""
         return self._pose
 
     @property
     def height_m(self) -> float:
-        """Of the base above the floor."""
+        """The height of the base above the floor."""
         return float(self._at[2])
 
     @property
     def finite(self) -> bool:
-        """Whether every number of its pose and of its velocity is one."""
+        """Whether every number of its pose and velocity is finite."""
         return self._pose.finite and math.isfinite(sum(self._moves.tolist()))
 
     def velocity(self) -> Twist2D:
@@ -71,7 +71,7 @@ class FloatingBase:
         self.fallen = self.fallen or low or self._up[2] < _COS_FALLEN
 
     def got_up(self) -> None:
-        """It stands again."""
+        """Mark the robot as standing again."""
         self.fallen = False
         self._see()
 
@@ -105,7 +105,7 @@ class FloatingBase:
 
 
 def _geoms_below(model: mujoco.MjModel, body: int) -> list[int]:
-    """What of the robot can touch the floor; everything if nothing is meant to touch."""
+    """Return the robot's geoms that can touch the floor; all, if none is meant to touch."""
     own = [
         geom for geom in range(model.ngeom) if model.body_rootid[model.geom_bodyid[geom]] == body
     ]

@@ -1,15 +1,15 @@
-"""Where the feet go: plants one and swings the other, so that what stands does not slip.
+"""The procedural gait: footsteps, leg kinematics and the search for legs and arms in a model.
 
-One leg: finds the joint angles that put its foot where it shall be.
+`FootstepPlanner` plants one foot and swings the other, so that the standing foot does not slip.
 
-The arm of `panda` has mink for this; a leg keeps its own few lines of damped least squares, which
-cost less where it matters: at every step, for both legs. Measured on an H1 and a G1 that walked in
-every direction for 12 s, a step of the walker takes 1.2 and 0.9 ms of a core with these, 3.4 and
-2.8 ms with mink on the whole robot, and 1.7 ms (G1) with mink on a model of the leg alone. Reach
-and speeds are the same; feet are 0.08 and 0.04 mm off on average with these, 0.07 and 0.02 mm with
-mink.
+`Leg` finds the joint angles that put a foot in a given place. The arm of `panda` has mink for this;
+a leg has a few lines of damped least squares, which cost less where it matters: at every step, for
+both legs. Measured on an H1 and a G1 that walked in every direction for 12 s, a step of the walker
+takes 1.2 and 0.9 ms of a core with these, 3.4 and 2.8 ms with mink on the whole robot, and 1.7 ms
+(G1) with mink on a model of the leg alone. Reach and speeds are the same; feet are 0.08 and 0.04 mm
+off on average with these, 0.07 and 0.02 mm with mink.
 
-Finds a robot's legs and arms by what its joints are called and how they turn.
+`find_limbs` finds a robot's legs and arms by their joints' names and axes.
 """
 
 import math
@@ -44,17 +44,18 @@ _PITCH = 0.7
 
 @dataclass(frozen=True, slots=True)
 class Hinge:
-    """One joint: its number in the model, where its angle is in `qpos`, where its speed is.
-
-    `sign` says which way is positive: 1 if, as about the y axis, what hangs down swings back.
-    `pitches` is whether it swings ahead and back at all.
-    """
+    """A joint of a limb."""
 
     joint: int
+    """Its number in the model."""
     angle: int
+    """The index of its angle in `qpos`."""
     speed: int
+    """The index of its speed in `qvel`."""
     sign: int
+    """1 if, as about the y axis, a positive angle swings a hanging limb back; else -1."""
     pitches: bool
+    """Whether it swings ahead and back at all."""
 
 
 @dataclass(frozen=True)
@@ -65,12 +66,12 @@ class Limbs:
 
     @property
     def leg(self) -> tuple[Hinge, ...]:
-        """From the hip down."""
+        """The joints from the hip down."""
         return self.parts["hip"] + self.parts["knee"] + self.parts["ankle"]
 
     @property
     def steps(self) -> bool:
-        """Whether this leg can set its foot somewhere: it has a hip and a knee that swing."""
+        """Whether this leg can take a step: it has a hip and a knee that swing."""
         return all(self.swinging(part) is not None for part in ("hip", "knee"))
 
     def swinging(self, part: str) -> Hinge | None:
@@ -115,7 +116,7 @@ def _hinge(model: mujoco.MjModel, data: mujoco.MjData, number: int) -> Hinge:
 Array = NDArray[np.float64]
 
 BEND_RAD = 0.35
-"""How far the hip swings ahead, and half of what the knee bends, when a leg begins to look."""
+"""The hip's forward swing, and half of the knee's bend, with which the search for angles starts."""
 _ROUNDS, _ROUNDS_WHEN_LOST = 6, 30
 _CLOSE_M, _CLOSE_RAD = 2e-5, 1e-4
 _LOST_M = 0.01
@@ -129,10 +130,10 @@ _STRAIGHT = 0.995
 
 
 class Leg:
-    """Moves the joints of one leg in `data`. The foot is the body that the last of them moves.
+    """Moves the joints of one leg in `data`. The foot is the body that the last joint moves.
 
-    Made while the robot stands level with its soles on the floor: how the foot is turned then is
-    what level means.
+    Create it while the robot stands level with its soles on the floor: the foot's orientation at
+    that time is level.
     """
 
     def __init__(self, model: mujoco.MjModel, data: mujoco.MjData, limbs: Limbs, base: int) -> None:
@@ -160,7 +161,7 @@ class Leg:
         self._data.qpos[self._angles] = self._bent
 
     def place(self) -> Array:
-        """Where the foot's origin is, (3,) metres, map frame."""
+        """Return the position of the foot's origin, (3,) metres, map frame."""
         return np.array(self._data.xpos[self._foot])
 
     def put(self, place: Pose2D, height_m: float, toes_rad: float = 0.0) -> None:
@@ -177,7 +178,7 @@ class Leg:
             self._look(at, turned, _ROUNDS_WHEN_LOST)
 
     def reach_m(self) -> float:
-        """How far along the floor the foot can be from the point below the hip."""
+        """Return how far along the floor the foot can be from the point below the hip."""
         height = float(self._data.xanchor[self._swing][2]) - self.sole_m
         return math.sqrt(max(self.length_m**2 - height**2, 0.0))
 
@@ -234,18 +235,18 @@ def _about_y(angle: float) -> Array:
 
 
 def _rotation_vector(matrix: Array) -> Array:
-    """Of a small rotation: its axis times its angle."""
+    """Return the rotation vector (axis times angle) of a small rotation."""
     skew = matrix - matrix.T
     return 0.5 * np.array([skew[2, 1], skew[0, 2], skew[1, 0]])
 
 
 CYCLE_S = 0.9
-"""Both feet have stepped once."""
+"""Seconds in which both feet have stepped once."""
 SWING = 0.4
 """The part of a cycle in which one foot is in the air."""
 LIFT_M = 0.06
 AHEAD_S = (1.0 - SWING) / 2 * CYCLE_S
-"""From touching down to the middle of standing on a foot."""
+"""Seconds from touching down to the middle of standing on a foot."""
 _AT_HOME_M = 1e-3
 _AT_HOME_RAD = 2e-3
 
@@ -263,10 +264,11 @@ class Footstep:
 
 
 class FootstepPlanner:
-    """Two feet, `homes` beside the base: (left, right) in its frame. They start where they belong.
+    """Plans the steps of two feet, which start at their homes.
 
-    A swinging foot is lifted by `lift_m`.
-    While the base moves they step by turns; once it stands they step until both are at home.
+    `homes` are the feet's places beside the base: (left, right) in its frame. A swinging foot is
+    lifted by `lift_m`. While the base moves the feet step by turns; once it stands they step until
+    both are at home.
     """
 
     def __init__(self, homes: tuple[Pose2D, Pose2D], base: Pose2D, lift_m: float = LIFT_M) -> None:
@@ -275,7 +277,7 @@ class FootstepPlanner:
         self.put(base)
 
     def put(self, base: Pose2D) -> None:
-        """Both feet at home beside a base that stands there."""
+        """Put both feet at home beside a base at this pose."""
         self.phase = 0.0
         self.feet = [Footstep(compose_on_floor(base, home)) for home in self._homes]
         self._from = [foot.place for foot in self.feet]
@@ -319,7 +321,7 @@ class FootstepPlanner:
 
 
 def ahead(base: Pose2D, velocity: WalkingCommand, seconds: float) -> Pose2D:
-    """Where a base will be that goes on like this: along an arc."""
+    """Return the pose of a base that goes on like this: along an arc."""
     turned = velocity.turn_rad_s * seconds
     if abs(turned) < 1e-6:
         along, across = 1.0, 0.0
@@ -330,7 +332,7 @@ def ahead(base: Pose2D, velocity: WalkingCommand, seconds: float) -> Pose2D:
 
 
 def between(one: Pose2D, other: Pose2D, part: float) -> Pose2D:
-    """On the straight way from one to the other; yaw takes the short way round."""
+    """Interpolate between two poses, straight; yaw takes the short way round."""
     turn = turn_between(one.yaw_rad, other.yaw_rad)
     return Pose2D(
         one.x_m + part * (other.x_m - one.x_m),

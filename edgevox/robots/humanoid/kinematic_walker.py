@@ -1,7 +1,4 @@
-"""Walking without physics: the base is moved outright, the legs follow, the arms swing.
-
-For robots that have no walking policy. Nothing can be pushed over, stumbled upon or run into.
-"""
+"""A walker without physics: the base's pose is set, the legs follow, the arms swing."""
 
 import math
 from dataclasses import dataclass
@@ -29,14 +26,14 @@ from edgevox.robots.humanoid.walker import PERIOD_S, WalkerLimits
 from edgevox.robots.humanoid.walking_policy import STAND, WalkingCommand
 
 CROUCH = 0.06
-"""How much lower than with straight legs it walks, of the legs' length."""
+"""Lowering of the body against straight legs, as a share of the legs' length."""
 FASTEST_M_S, FASTEST_RAD_S = 0.6, 0.9
 _LIFT = 0.1
-"""How far a foot is lifted, of its leg's length, at most."""
+"""The highest lift of a foot, as a share of its leg's length."""
 _STRIDE = 0.8
-"""How much of the legs' reach its strides take."""
+"""The share of the legs' reach that strides take."""
 _EASE_S = 0.25
-"""How long a swing takes to come up and to die away."""
+"""Seconds in which a swing builds up and dies away."""
 _FULL_M_S = 0.4
 _TOES_RAD = 0.2
 
@@ -109,7 +106,7 @@ class KinematicWalker:
         self.base.got_up()
 
     def feet(self) -> tuple[tuple[Footstep, np.ndarray], ...]:
-        """Of each leg that steps: what is asked of its foot, and where it is, (3,) metres."""
+        """Return each stepping leg's wanted footstep and its foot's position, (3,) metres."""
         return tuple(
             (foot, leg.place()) for foot, leg in zip(self._steps.feet, self._legs, strict=False)
         )
@@ -131,7 +128,7 @@ class KinematicWalker:
                 leg.put(Pose2D(float(leg.home[0]), float(leg.home[1]), 0.0), 0.0)
 
     def _find_limits(self) -> WalkerLimits:
-        """As fast as its legs are long: a foot that stands must stay within reach."""
+        """Derive the limits from the legs: a standing foot must stay within reach."""
         reaches = [leg.reach_m() for leg in self._legs]
         forward = min(FASTEST_M_S, _STRIDE * min(reaches, default=math.inf) / AHEAD_S)
         turn = min(FASTEST_RAD_S, forward / max(self._width_m, 1e-3))

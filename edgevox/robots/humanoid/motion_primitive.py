@@ -1,4 +1,4 @@
-"""What a skill asks of the legs: to walk, to turn, to stand. Ends once, for whatever reason."""
+"""A motion of the legs for a skill: to walk, to turn, or to stand. It ends exactly once."""
 
 import math
 
@@ -11,23 +11,23 @@ from edgevox.robots.humanoid.walking_policy import STAND, WalkingCommand
 from edgevox.robots.motion import Motion, Progress
 
 PATIENCE_S = 6.0
-"""How long it may not get any nearer before it gives up."""
+"""Seconds without progress after which it gives up."""
 CORRECTIONS = 3
-"""How often it makes another few steps when it stands too far from where it should."""
+"""The most corrections by a few more steps, when it stands too far from its goal."""
 EASE_M_S2, EASE_RAD_S2 = 0.3, 0.5
-"""How it slows down before the end of a walk or a turn."""
+"""The deceleration before the end of a walk or a turn."""
 _GAIN = 1.2
 _NEARER = 0.02
 _LEARN = 0.7
-"""How much of what it was off by it aims further the next time: it coasts much as before."""
+"""The share of the last error by which it aims further: it coasts about the same each time."""
 _MOST_ASIDE_M = 0.1
 
 
 class MotionPrimitive(Motion):
     """Walks `distance_m` straight on (back if negative), turns `angle_rad` to the left, or stands.
 
-    Closed on the robot's pose: it slows down before the end, comes to a stand, looks how far off
-    it is, and corrects that with a few more steps.
+    The loop is closed on the robot's pose: it slows down before the end, comes to a stand, measures
+    the error, and corrects that with a few more steps.
     """
 
     def __init__(
@@ -57,7 +57,7 @@ class MotionPrimitive(Motion):
 
     @property
     def heading_rad(self) -> float:
-        """Where it looks in the end, if it is exact."""
+        """The heading at the end, if it is exact."""
         return self._start.yaw_rad + self._angle_rad
 
     def steer(self, pose: Pose2D) -> WalkingCommand:
@@ -73,7 +73,7 @@ class MotionPrimitive(Motion):
         return STAND if self.done else self._walk()
 
     def progress(self) -> Progress:
-        """How far it is."""
+        """Return the progress of the motion."""
         if not self.moves:
             part = 1.0 if self.done else 0.0
             return Progress(part, 0.0, "s")
@@ -84,7 +84,7 @@ class MotionPrimitive(Motion):
         return Progress(min(max(part, 0.0), 1.0), math.degrees(self._turn_rad), "deg")
 
     def _look(self, pose: Pose2D) -> None:
-        """What is left: metres along and across the way that it began on, radians to the left."""
+        """Measure the rest: metres along and across its original way, radians to the left."""
         self._turned += turn_between(self._yaw, pose.yaw_rad)
         self._yaw = pose.yaw_rad
         start = self._start
@@ -101,7 +101,10 @@ class MotionPrimitive(Motion):
         return there and (straight or not self._corrections)
 
     def _near_m(self) -> float:
-        """From a walk it coasts further than from the few steps of a correction."""
+        """Return the coasting distance.
+
+        Longer from a walk than from the few steps of a correction.
+        """
         return self._limits.near_m if self._corrections else self._limits.coast_m
 
     def _settle(self) -> None:

@@ -1,4 +1,4 @@
-"""Walking in physics: a policy moves position servos, MuJoCo does the rest."""
+"""A walker in physics: a policy moves position servos, MuJoCo does the rest."""
 
 import math
 from typing import Literal
@@ -19,7 +19,7 @@ from edgevox.robots.humanoid.walking_policy import (
 )
 
 SETTLE_S = 1.5
-"""From walking to standing: the step that is in the air is set down, the sway dies away."""
+"""Seconds from walking to standing: the foot in the air is set down, and the sway dies away."""
 _START_S = 2.0
 _JITTER_RAD = 0.02
 _CLEARANCE_M = 0.005
@@ -107,12 +107,12 @@ class PhysicsWalker:
         self.put(Pose2D(0.0, 0.0, 0.0))
 
     def _drop(self) -> float:
-        """How far the base is to be moved up so that the lowest part touches the floor."""
+        """Return the height by which to move the base so that the lowest part touches the floor."""
         mujoco.mj_kinematics(self.model, self.data)
         return -self.base.lowest_m()
 
     def _command(self, wanted: WalkingCommand) -> WalkingCommand:
-        """What to ask of a policy that is slower than it is asked to be."""
+        """Return the command for a policy that walks slower than it is asked to."""
         if wanted is self._wanted:
             return self._asked
         plan = self._plan

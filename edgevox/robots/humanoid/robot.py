@@ -27,16 +27,19 @@ FALLEN = because("fallen")
 
 
 class HumanoidRobot(SteppedBySimLoop, SimulatedBody):
-    """A body with a pose, a head camera, and legs that a sentence or a stream of velocities moves.
+    """A humanoid with a pose and a head camera, whose legs obey a sentence or a velocity stream.
 
-    The body owns `environment` from now on. `speed` is how many seconds pass in its world each
-    second, 1 for real time. With None, for tests, they pass as fast as they can while it carries
-    out a motion or comes to a stand; otherwise, also while somebody sends velocities, only as
-    far as `advance` asks. With 0 that is always so. Every method may be called from any thread.
+    Args:
+        environment: The robot in its world, owned by this body from now on.
+        speed: Seconds of its world per second: 1 is real time. None, for tests, is as fast as
+            possible during a motion or until it stands, and otherwise, even during a velocity
+            stream, only as far as `advance` asks. 0 is always only as far as `advance` asks.
+        clock: The time; the system's by default.
 
-    A cancelled or halted robot is asked for zero velocity before the call returns. In physics it
-    cannot stop a step in mid-air: it sets that foot down and stands within about 1.5 s of its own
-    time, on its feet. Moved outright, its base stops at once and its feet come together.
+    Every method may be called from any thread. A cancelled or halted robot gets zero velocity
+    before the call returns. In physics it cannot stop a step in mid-air: it sets that foot down and
+    stands within about 1.5 s of its own time, on its feet. Without physics, its base stops at once
+    and its feet come together.
     """
 
     name = "robot-humanoid"
@@ -88,7 +91,7 @@ class HumanoidRobot(SteppedBySimLoop, SimulatedBody):
 
     @property
     def camera_spec(self) -> CameraSpec:
-        """In the head, held level above the point between the feet as if on a gimbal."""
+        """The camera in the head, held level above the point between the feet as if on a gimbal."""
         return self._eyes.camera_spec
 
     def start(self) -> None:
@@ -124,7 +127,7 @@ class HumanoidRobot(SteppedBySimLoop, SimulatedBody):
         return self._eyes.beside(moment, pose)
 
     def set_velocity(self, twist: Twist2D) -> None:
-        """As `TakesVelocity` has it. A robot that lies on the floor stays there."""
+        """Follow this velocity, see `TakesVelocity`. A robot that lies on the floor stays there."""
         with self._lock:
             self._mux.stream(twist, self.time_s)
             self._walk.forget_heading()
@@ -146,11 +149,14 @@ class HumanoidRobot(SteppedBySimLoop, SimulatedBody):
         self._perform(token, report, distance_m=finite("distance", distance_m))
 
     def turn(self, angle_rad: float, *, token: CancelToken, report: Report) -> None:
-        """As `walk`, until it stands turned to the left by `angle_rad`, right if negative."""
+        """Turn like `walk`, to the left by `angle_rad`, right if negative."""
         self._perform(token, report, angle_rad=finite("angle", angle_rad))
 
     def stand(self, *, token: CancelToken, report: Report) -> bool:
-        """Block until it stands still. One that has fallen is put upright where it lies: True."""
+        """Block until it stands still. A fallen robot is put upright where it lies.
+
+        Then return True.
+        """
         token.check()
         with self._lock:
             got_up = self._environment.fallen
@@ -207,7 +213,7 @@ class HumanoidRobot(SteppedBySimLoop, SimulatedBody):
         )
 
     def _give_up(self) -> None:
-        """A period failed: nobody knows what the next one would do with this motion."""
+        """End the motion after a failed period: the next one might do anything with it."""
         self._mux.halt(SkillFailed(BROKE))
 
     def _report(self, motion: MotionPrimitive, report: Report) -> None:
@@ -223,14 +229,14 @@ class HumanoidRobot(SteppedBySimLoop, SimulatedBody):
         )
 
     def _step(self) -> bool:
-        """One period of the world, on the sim loop's thread. True if more is to come."""
+        """Do a period of the world, on the sim loop's thread. Return whether more is to come."""
         with self._lock:
             if self._always or self._due():
                 self._pass_period()
             return self._due()
 
     def _due(self) -> bool:
-        """Whether time shall pass, if it does not pass by itself."""
+        """Return whether time is to pass, if it does not pass by itself."""
         driven = self._walk.busy and self._mux.velocity is None
         return driven or self._ticks < self._wanted_ticks
 

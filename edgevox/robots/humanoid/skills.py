@@ -19,7 +19,7 @@ Degrees = Annotated[float, Field(ge=LEAST_DEG, le=MOST_DEG, description="degrees
 
 
 class WalkingBody(Body, HasPose, Protocol):
-    """What these skills need."""
+    """The methods that these skills need."""
 
     def walk(self, distance_m: float, *, token: CancelToken, report: Report) -> None:
         """Block until it stands that far ahead, or back if negative. Raises `SkillFailed`."""

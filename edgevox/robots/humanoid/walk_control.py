@@ -1,6 +1,6 @@
-"""What the legs are asked for, period by period, by whoever may move the robot.
+"""The control of the legs: one walking command per period, from a motion or a velocity stream.
 
-The humanoid's part of `robot_state`, JSON-ready.
+It also makes the humanoid's part of `robot_state`, JSON-ready.
 """
 
 import math
@@ -39,7 +39,7 @@ def describe(
 
 
 def _goal(motion: MotionPrimitive | None) -> dict[str, Any] | None:
-    """What it is about, how far that is (0 to 1), and the metres or degrees that are left."""
+    """Describe the motion: its kind, its progress (0 to 1), and the metres or degrees left."""
     if motion is None:
         return None
     progress = motion.progress()
@@ -62,18 +62,18 @@ class WalkControl:
 
     @property
     def walking(self) -> bool:
-        """Whether any velocity was asked for, or the robot may still be coming to a stand."""
+        """Whether a velocity is asked for, or the robot may still be coming to a stand."""
         return self._stood_s < self._limits.settle_s
 
     @property
     def busy(self) -> bool:
-        """Whether something is asked, or the robot is still coming to a stand."""
+        """Whether a motion is asked for, or the robot is still coming to a stand."""
         return self._mux.busy or self.walking
 
     def aligned(self, pose: Pose2D) -> Pose2D:
-        """Where a motion begins: there, looking where the one before should have ended.
+        """Return the start of a motion: this pose, with the heading that the last one wanted.
 
-        So the degree or two that each is off do not add up, and four corners make a square.
+        So errors of a degree or two do not add up, and four corners make a square.
         """
         heading = self._heading_rad
         if heading is None or abs(turn_between(heading, pose.yaw_rad)) > _ALIGN_RAD:
@@ -81,11 +81,11 @@ class WalkControl:
         return Pose2D(pose.x_m, pose.y_m, heading)
 
     def forget_heading(self) -> None:
-        """The robot looks where it looks: it was halted, or somebody else turned it."""
+        """Forget the last motion's heading: the robot was halted, or turned by another command."""
         self._heading_rad = None
 
     def command(self, time_s: float, pose: Pose2D) -> WalkingCommand:
-        """What the legs shall do in the next period."""
+        """Return the legs' command for the next period."""
         self._mux.tick(time_s)
         wanted = self._wanted(pose)
         self._stood_s = self._stood_s + self._period_s if wanted.stands else 0.0

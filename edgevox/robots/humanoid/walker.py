@@ -1,4 +1,4 @@
-"""What makes a robot walk: a policy in physics, or a gait that moves joints and base outright."""
+"""The interface of a walker: a policy in physics, or a gait that sets joints and base."""
 
 from dataclasses import dataclass
 from typing import Literal, Protocol
@@ -15,25 +15,30 @@ PERIOD_S = 0.02
 
 @dataclass(frozen=True, slots=True)
 class WalkerLimits:
-    """The fastest it really walks, and how exactly a walk can be ended.
+    """The top speeds of a walker, and the precision with which a walk ends.
 
-    `coast_m` is how far from its end a walk stops, because the robot coasts; `near_m` and
-    `near_rad` are the same for a few slow steps and for a turn;
-    `exact_m` and `exact_rad` are how far off it may be once it stands; `settle_s` is how long it
-    takes to stand. A robot whose base is moved outright has none of this.
+    The defaults are for a robot whose base is moved without physics: it does not coast.
     """
 
     forward_m_s: float
     left_m_s: float
     turn_rad_s: float
     slowest_m_s: float = 0.0
+    """The slowest walk."""
     slowest_rad_s: float = 0.0
+    """The slowest turn."""
     coast_m: float = 1e-6
+    """A walk stops this far before its end, because the robot coasts."""
     near_m: float = 1e-6
+    """The same for a few slow steps."""
     near_rad: float = 1e-6
+    """The same for a turn."""
     exact_m: float = 1e-5
+    """The error that is accepted once it stands."""
     exact_rad: float = 1e-5
+    """The error that is accepted once it stands."""
     settle_s: float = 0.0
+    """Seconds until it stands."""
 
 
 class Walker(Protocol):
@@ -41,11 +46,11 @@ class Walker(Protocol):
 
     @property
     def simulation(self) -> Literal["physics", "kinematic"]:
-        """Whether forces move the robot."""
+        """The kind of simulation: "physics" if forces move the robot, else "kinematic"."""
 
     @property
     def name(self) -> str:
-        """What decides the steps."""
+        """The source of its steps."""
 
     @property
     def model(self) -> mujoco.MjModel: ...

@@ -1,18 +1,4 @@
-"""Walking policies: what one sees, what it answers, and how to bring one's own.
-
-A policy is called once every `period_s` of simulated time with an `Observation` and answers with a
-target angle for each of its joints, which position servos of the given stiffness and damping follow
-until the next call. Any object with the three members of `WalkingPolicy` will do; a bare function
-becomes one with `FunctionPolicy`:
-
-    def keep_still(seen: Observation) -> NDArray[np.float64]:
-        return plan.stand_rad
-
-    environment.set_walking_policy(FunctionPolicy(plan, keep_still))
-
-What a policy remembers from call to call (its last action, the phase of its gait) is its own
-business; `reset` makes it forget.
-"""
+"""Walking policies: their observation, their answer, and the interface for one of your own."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -45,41 +31,43 @@ STAND = WalkingCommand()
 
 @dataclass(frozen=True, slots=True)
 class Observation:
-    """What a policy sees, all of it measurable on a real robot.
-
-    `turning_rad_s` (3,) is the pelvis's angular velocity and `gravity` (3,) the unit vector that
-    points down, both in the pelvis's own axes; `angles_rad` and `speeds_rad_s` (n,) are the joints
-    in the policy's order.
-    """
+    """A policy's observation, all of it measurable on a real robot."""
 
     command: WalkingCommand
     turning_rad_s: Vector
+    """The pelvis's angular velocity, (3,), in the pelvis's own axes."""
     gravity: Vector
+    """The unit vector that points down, (3,), in the pelvis's own axes."""
     angles_rad: Vector
+    """The joints' angles, (n,), in the policy's order."""
     speeds_rad_s: Vector
+    """The joints' speeds, (n,), in the policy's order."""
 
 
 @dataclass(frozen=True)
 class WalkingPlan:
-    """What the robot must be like for a policy: its joints, their servos, the rates.
-
-    `joints` are names of the MJCF's hinges, in the order of all vectors (n,): the angles of a calm
-    stand, stiffness (N m/rad), damping (N m s/rad) and rotor inertia (kg m^2). `period_s` is a
-    whole multiple of `timestep_s`. The limits are the fastest commands that keep it on its feet,
-    and `follows` is how much of a commanded speed (ahead, left, turning) it really walks at.
-    """
+    """A policy's demands on the robot: its joints, their servos, the rates."""
 
     joints: tuple[str, ...]
+    """Names of the MJCF's hinges, in the order of all vectors (n,)."""
     stand_rad: Vector
+    """The angles of a calm stand."""
     stiffness: Vector
+    """N m/rad."""
     damping: Vector
+    """N m s/rad."""
     armature: Vector
+    """Rotor inertia, kg m^2."""
     period_s: float = 0.02
+    """Between two calls of the policy; a whole multiple of `timestep_s`."""
     timestep_s: float = 0.005
+    """Of the physics."""
     max_forward_m_s: float = 1.0
+    """The fastest command that keeps it on its feet; likewise the next two."""
     max_left_m_s: float = 0.5
     max_turn_rad_s: float = 1.0
     follows: tuple[float, float, float] = (1.0, 1.0, 1.0)
+    """The share of a commanded speed (ahead, left, turning) that it really walks at."""
 
     def __post_init__(self) -> None:
         wanted = (len(self.joints),)
@@ -105,11 +93,11 @@ class WalkingPolicy(Protocol):
 
     @property
     def name(self) -> str:
-        """What `robot_state` calls it."""
+        """Its name in `robot_state`."""
 
     @property
     def plan(self) -> WalkingPlan:
-        """What it needs; it stays so."""
+        """Its demands on the robot; they do not change."""
 
     def reset(self) -> None:
         """The robot was put somewhere else: forget what was."""
@@ -130,7 +118,7 @@ class FunctionPolicy:
         self.name, self.plan, self._function = name, plan, function
 
     def reset(self) -> None:
-        """There is nothing to forget."""
+        """Do nothing: a function has no state."""
 
     def act(self, seen: Observation) -> Vector:
         return self._function(seen)

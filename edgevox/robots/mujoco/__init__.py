@@ -1,4 +1,4 @@
-"""What the bodies that are simulated with MuJoCo share: stepping a world, and pictures of it.
+"""Common parts of the MuJoCo bodies: stepping a world, and pictures of it.
 
 Imports core and the robots' shared parts. A module that imports mujoco itself imports this package
 first, because a machine without OpenGL must not lose its robot with its camera.

@@ -1,4 +1,4 @@
-"""Cameras that stand in the room, said once for MuJoCo and for whoever reads the pictures."""
+"""Cameras that stand in the room, declared once for MuJoCo and for readers of the pictures."""
 
 import math
 from dataclasses import dataclass
@@ -11,7 +11,7 @@ from edgevox.core.transforms import Pose3D
 from edgevox.robots.capabilities import CameraSpec
 
 PICTURE_PX = (640, 480)
-"""Of the pictures that people look at."""
+"""The size of pictures for people."""
 
 Point3 = tuple[float, float, float]
 
@@ -48,7 +48,7 @@ class RoomCamera:
         return np.column_stack([forward, left, np.cross(forward, left)])
 
     def spec(self, width_px: int, height_px: int) -> CameraSpec:
-        """What it is, for pictures of this size."""
+        """Return the camera's specification for pictures of this size."""
         quaternion = np.zeros(4)
         mujoco.mju_mat2Quat(quaternion, self.rotation().flatten())
         w, x, y, z = (float(value) for value in quaternion)

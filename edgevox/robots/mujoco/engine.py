@@ -1,4 +1,4 @@
-"""Lets the time of a MuJoCo world pass, period by period, on a thread of its own."""
+"""The engine that lets a MuJoCo world's time pass, period by period, on its own thread."""
 
 import math
 import threading
@@ -17,7 +17,7 @@ _BROKEN = slice(mujoco.mjtWarning.mjWARN_BADQPOS, mujoco.mjtWarning.mjWARN_BADQA
 
 
 class Steered(Protocol):
-    """What lives in the world. Both are called on the world's thread, which holds the lock."""
+    """The inhabitant of a world. Both methods are called on the world's thread, under the lock."""
 
     def control(self) -> bool:
         """Set `data.ctrl` for the next period. True while there is more to do."""
@@ -30,9 +30,9 @@ class MujocoEngine(SteppedBySimLoop):
     """A model, its data, and the thread that steps it `period_s` at a time.
 
     `lock` guards `data`. `waits` is whether time can be held, because it follows no clock. Time is
-    counted in periods and never goes back, whatever is put back.
-    With a `speed` time passes all the while; with None only while `control` has more to do or as
-    far as `advance` asks, as fast as it can; with 0 only as far as `advance` asks.
+    counted in periods and never goes back, even after a reset. With a `speed`, time passes always;
+    with None only while `control` has more to do or as far as `advance` asks, as fast as possible;
+    with 0 only as far as `advance` asks.
     """
 
     def __init__(
@@ -70,7 +70,7 @@ class MujocoEngine(SteppedBySimLoop):
 
     @property
     def breaks(self) -> int:
-        """How often a step failed, or the numbers broke and were put back."""
+        """The number of steps that failed, or whose numbers broke and were put back."""
         return self.divergences + self._sim_loop.failures
 
     def start(self, steered: Steered) -> None:
@@ -82,7 +82,7 @@ class MujocoEngine(SteppedBySimLoop):
         self._sim_loop.close()
 
     def wake(self) -> None:
-        """There is something to do."""
+        """Tell the loop that there is work."""
         self._sim_loop.wake()
 
     def snapshot(self) -> Snapshot:
@@ -99,7 +99,7 @@ class MujocoEngine(SteppedBySimLoop):
             self._sim_loop.advance((until - self._periods) * self.period_s)
 
     def _step(self) -> bool:
-        """One period, on the sim loop's thread. True if more is to come."""
+        """Do a period, on the sim loop's thread. Return whether more is to come."""
         assert self._steered is not None  # noqa: S101 - start came first
         with self.lock:
             busy = self._steered.control()

@@ -1,4 +1,4 @@
-"""Which OpenGL draws the pictures, and what to say when there is none.
+"""The choice of OpenGL for pictures, and the message if there is none.
 
 `MUJOCO_GL` decides (`egl`, `osmesa`, `glfw` or `cgl`). Without it, Linux draws with `egl`, which
 needs no display and no graphics card.

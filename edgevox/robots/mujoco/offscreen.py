@@ -1,4 +1,4 @@
-"""One OpenGL context and what MuJoCo keeps in it. All of it belongs to the thread that made it."""
+"""An OpenGL context with MuJoCo's drawing state. Only the thread that made it may use it."""
 
 import mujoco
 import numpy as np
@@ -39,7 +39,7 @@ class Offscreen:
         *,
         fine: bool,
     ) -> NDArray[np.uint8]:
-        """As `Renderer.render`."""
+        """Draw a picture, see `Renderer.render`."""
         if size_px[0] > self._most[0] or size_px[1] > self._most[1]:
             raise NoPicture(f"a picture of {size_px} is larger than the largest, {self._most}")
         state.show_in(self._model, self._data)

@@ -12,7 +12,7 @@ from edgevox.robots.mujoco.snapshot import Snapshot
 
 
 class Renderer:
-    """Pictures of `model` of up to `width_px` x `height_px`, taken one after another.
+    """Draws pictures of `model` of up to `width_px` x `height_px`, one after another.
 
     It opens OpenGL with the first picture (0.2 to 0.75 s) and keeps it. It draws from copies, so
     the world may go on meanwhile; only the model is shared.
@@ -35,10 +35,11 @@ class Renderer:
         size_px: tuple[int, int] | None = None,
         fine: bool = False,
     ) -> NDArray[np.uint8]:
-        """What `camera` saw at that moment: (height, width, 3), RGB. Blocks until it is drawn.
+        """Return the picture of `camera` at that moment: (height, width, 3), RGB.
 
-        `size_px` is (width, height), the largest without. `fine` is slow and has shadows and smooth
-        edges: for people. Raises `NoPicture` where there is no OpenGL, or after `close`.
+        Blocks until it is drawn. `size_px` is (width, height), by default the largest. `fine` is
+        slow and has shadows and smooth edges: for people. Raises `NoPicture` without OpenGL, or
+        after `close`.
         """
         try:
             return self._thread.submit(
@@ -61,7 +62,7 @@ class Renderer:
         return self._opened().draw(camera, state, size_px, fine=fine)
 
     def _opened(self) -> Offscreen:
-        """What draws; where there is no OpenGL, the first failure again, without trying again."""
+        """Return the drawing context; without OpenGL, raise the first failure again."""
         if self._failure is not None:
             raise NoPicture(str(self._failure))
         if self._offscreen is None:

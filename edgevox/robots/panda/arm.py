@@ -1,7 +1,4 @@
-"""The motors of arm and hand, period by period. Everything here needs the world's lock.
-
-The gripper: how wide it is, and what it holds. Everything here needs the world's lock.
-"""
+"""The motors of arm and gripper, period by period. Everything here needs the world's lock."""
 
 import mujoco
 import numpy as np
@@ -53,11 +50,11 @@ class Hand:
             self.command(self.width_m)
 
     def has_stopped(self) -> bool:
-        """Whether the fingers stand."""
+        """Return whether the fingers stand."""
         return bool(np.abs(self._speeds).max() < _STILL_M_S)
 
     def touches(self, name: str) -> bool:
-        """Whether both fingers press on this cube."""
+        """Return whether both fingers press on this cube."""
         contact = self._data.contact
         bodies = self._model.geom_bodyid[contact.geom]
         cube = self._model.body(name).id
@@ -130,7 +127,7 @@ class Arm:
         return np.array(self._joints)
 
     def put(self) -> None:
-        """At home, with an open hand, at once: for the start of a world."""
+        """Put the arm at home at once, with an open hand: for the start of a world."""
         self._joints[:] = self._control[:] = self.target = READY.copy()
         self._coast = 0  # it is at rest; what it was slowing down from is over
         self.hand.put_open()
@@ -178,7 +175,10 @@ class Arm:
         return True
 
     def _brake(self) -> bool:
-        """For a moment the motors only damp; a spring to where they stopped would swing it back."""
+        """Let the motors only damp for a moment.
+
+        A spring to the stopping point would swing back.
+        """
         if self._coast > _COAST - _BRAKE:
             self.target = self.joints
             self._control[:] = self.target

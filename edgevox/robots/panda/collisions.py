@@ -1,4 +1,4 @@
-"""Would the arm touch something there? Asked of the geometry, before it goes."""
+"""Collision checks: whether the arm would touch a thing, asked of the geometry before it moves."""
 
 from collections.abc import Sequence
 
@@ -10,16 +10,16 @@ from edgevox.robots.panda.kinematics import ARM_JOINTS, Joints
 from edgevox.robots.panda.scene import TCP
 
 _DEPTH_M = 0.001
-"""How deep two shapes overlap before it counts: a light touch is how a hand works."""
+"""The overlap of two shapes that is no collision yet: a hand works by light touch."""
 
 Touch = tuple[str, str]
 """Two bodies, in alphabetical order."""
 
 
 class Collisions:
-    """Looks at the scene of one moment with the arm put elsewhere. For one thread at a time.
+    """Tests the scene of one moment with the arm put elsewhere. For one thread at a time.
 
-    What the hand holds moves with it. The world itself (table, floor) is called "table".
+    The thing in the hand moves with it. The world itself (table, floor) is called "table".
     """
 
     def __init__(self, model: mujoco.MjModel) -> None:
@@ -33,14 +33,14 @@ class Collisions:
         self._grip: tuple[np.ndarray, np.ndarray] = (np.zeros(3), np.zeros(4))
 
     def look(self, scene: Snapshot, held: str | None) -> None:
-        """From now on answer for this moment, in which the hand holds `held`."""
+        """Test this moment from now on, in which the hand holds `held`."""
         scene.show_in(self._model, self._data)
         self._held = held
         if held is not None:
             self._grip = self._relative(held)
 
     def touched(self, joints: Joints) -> frozenset[Touch]:
-        """What of the arm, or of what it holds, would overlap with what."""
+        """Return the overlaps of the arm, or of the thing that it holds, with other things."""
         self._data.qpos[:ARM_JOINTS] = joints
         mujoco.mj_kinematics(self._model, self._data)
         if self._held is not None:
@@ -68,7 +68,7 @@ class Collisions:
         ]
 
     def _relative(self, held: str) -> tuple[np.ndarray, np.ndarray]:
-        """Where the held thing sits in the hand: position and quaternion."""
+        """Return the held thing's position and quaternion in the hand."""
         data, turn = self._data, np.zeros(4)
         mujoco.mju_mat2Quat(turn, data.site_xmat[self._site])
         away, back = np.zeros(3), np.zeros(4)

@@ -1,4 +1,4 @@
-"""Where things are: the table, the cubes and the bins. Metres, map frame: the arm's base is zero.
+"""The layout of table, cubes and bins. Metres, map frame: the arm's base is zero.
 
 The table's top is the plane z = 0, x points away from the arm over the table, y to its left.
 """
@@ -45,7 +45,7 @@ class Bin:
     floor_m: float = 0.005
 
     def contains(self, x_m: float, y_m: float) -> bool:
-        """Whether this point is above its floor."""
+        """Return whether this point is above its floor."""
         return max(abs(x_m - self.center[0]), abs(y_m - self.center[1])) < self.half_m
 
 
@@ -68,7 +68,7 @@ BINS: Mapping[str, Bin] = {
 
 @dataclass(frozen=True, slots=True)
 class Lying:
-    """Where a cube lies on the table, and how it is turned."""
+    """The position and turn of a cube on the table."""
 
     x_m: float
     y_m: float
@@ -76,7 +76,7 @@ class Lying:
 
 
 def places(seed: int) -> dict[str, Lying]:
-    """Where the cubes are at the start: their standard places, or random ones for any other seed.
+    """Return the cubes' start poses: the standard ones for seed 0, else random ones.
 
     Random places are on the table between the bins, in reach and with room for the fingers.
     """

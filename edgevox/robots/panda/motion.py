@@ -1,8 +1,8 @@
-"""One thing that the arm was asked to do, from its start to its end: some motions in a row.
+"""Tasks and motions of the arm.
 
-One motion of the motors: what they follow, and when it has ended.
-
-Smooth motion through joint angles, written down period by period before it starts.
+A `Task` is a skill in progress, made of several motions. An `ArmMotion` is one motion of the
+motors: the joint angles that they follow, and the test for its end. The angles are computed, period
+by period, before the motion starts.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -19,13 +19,13 @@ Rows = NDArray[np.float64]
 """(n, joints) radians, one row a control period."""
 
 PEAK = 1.875
-"""How much faster than on average a motion of this profile is in its middle."""
+"""The ratio of the profile's top speed, in its middle, to its mean."""
 _SHORTEST_S = 0.24
 
 
 @dataclass(frozen=True, slots=True)
 class Pace:
-    """How fast the hand may go through the room (m/s) and any joint may turn (rad/s)."""
+    """The top speeds of the hand in the room (m/s) and of any joint (rad/s)."""
 
     hand_m_s: float
     joint_rad_s: float
@@ -38,10 +38,10 @@ CAREFUL = Pace(0.25, 1.0)
 def written(
     knots: Rows, points: NDArray[np.float64], pace: Pace, period_s: float, lead_s: float
 ) -> Rows:
-    """Rows from the first knot to the last, at rest at both ends and never faster than `pace`.
+    """Return rows from the first knot to the last, at rest at both ends, within `pace`.
 
-    `points` (n, 3) metres is where the knots put the hand. `lead_s` is by how much the rows run
-    ahead, because motors follow their target that much late.
+    `points` (n, 3) metres are the hand's places at the knots. The rows run ahead by `lead_s`,
+    because motors follow their target with that delay.
     """
     spent = np.concatenate([[0.0], np.cumsum(_durations(knots, points, pace))])
     if spent[-1] < period_s / 10:
@@ -126,10 +126,10 @@ class ArmMotion(Motion):
 
 
 class Task(Motion):
-    """A skill that runs: how far it is, and what for.
+    """A skill in progress: its task, its progress and its present motion.
 
-    `motions` is how many motions of the arm it will take, about; `motion` is the present one. Once
-    somebody ended it, it raises the reason at its next motion.
+    `motions` is the approximate number of arm motions; `motion` is the present one. After an early
+    end, the next motion raises the reason.
     """
 
     def __init__(
@@ -144,12 +144,12 @@ class Task(Motion):
         self._done = 0
 
     def moved(self) -> None:
-        """One motion more is behind."""
+        """Count one more motion as done."""
         self.motion = None
         self._done += 1
 
     def restart(self) -> None:
-        """It tries again from the beginning."""
+        """Start again from the beginning."""
         self._done = 0
 
     def progress(self) -> Progress:
@@ -161,6 +161,6 @@ class Task(Motion):
         self._report(progress=round(self.progress().part, 3), phase=self.phase)
 
     def describe(self) -> dict[str, Any]:
-        """What `robot_state` says of it, JSON-ready."""
+        """Return the task's part of `robot_state`, JSON-ready."""
         progress = round(self.progress().part, 3)
         return {**self._about, "phase": self.phase, "progress": progress}

@@ -1,7 +1,4 @@
-"""Ways for the hand: straight lines as joint angles that are in reach and touch nothing.
-
-Points in the room: which the hand can come to, and which is the next best.
-"""
+"""A planner for the hand: straight lines as joint angles that are in reach and touch nothing."""
 
 import re
 import threading
@@ -101,7 +98,10 @@ class Reach:
 
 
 def in_the_way(touched: Touch) -> InTheWay:
-    """What would touch what, as a person says it: the arm's parts first, by their common names."""
+    """Return the error for a touch, in a person's words.
+
+    The arm's part first, by its common name.
+    """
     mine = [name for name in touched if _PART.fullmatch(name)]
     if len(mine) == len(touched):
         return InTheWay(because("would_touch_itself"))

@@ -32,9 +32,9 @@ _POSE = ("x", "y", "z", "qx", "qy", "qz", "qw")
 class PandaRobot(SimulatedBody):
     """A Franka Panda at a table with three cubes and two bins. The map frame is the arm's base.
 
-    `cell` is the world that it stands in; nobody else may use the cell's arm.
-    Every method may be called from any thread. The skills block until they are done; a cancelled
-    or halted arm stands within 0.1 s of its own time and keeps hold of what it holds.
+    `cell` is its world; nothing else may use the cell's arm. Every method may be called from any
+    thread. The skills block until they are done; a cancelled or halted arm stands within 0.1 s of
+    its own time and keeps its grip.
     """
 
     name = "robot-panda"
@@ -65,7 +65,7 @@ class PandaRobot(SimulatedBody):
 
     @property
     def breaks(self) -> int:
-        """How often a step of the world failed, or its numbers broke."""
+        """The number of the world's steps that failed, or whose numbers broke."""
         return self._engine.breaks
 
     @property
@@ -109,7 +109,10 @@ class PandaRobot(SimulatedBody):
         return self._camera_spec
 
     def camera(self) -> CameraImage:
-        """From above the far side of the table. Raises `NoPicture` where there is no OpenGL."""
+        """Take a picture from above the far side of the table.
+
+        Raises `NoPicture` without OpenGL.
+        """
         scene = self._engine.snapshot()
         pixels = self._renderer.render(CAMERA.name, scene, size_px=CAMERA_PX)
         return CameraImage(scene.time_s, pixels)
@@ -148,7 +151,7 @@ class PandaRobot(SimulatedBody):
         }
 
     def describe_hand(self) -> dict[str, Any]:
-        """Where the hand is and what it holds."""
+        """Describe the hand's position and the thing in it."""
         hand, held = self._cell.hand_m(), self._cell.arm.hand.held
         x, y, z = (round(float(value), 3) + 0.0 for value in hand)
         return {

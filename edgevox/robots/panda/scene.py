@@ -15,7 +15,8 @@ CAMERA = RoomCamera("room", (1.25, 0.0, 0.75), (0.42, 0.0, 0.05))
 SHOW = RoomCamera("show", (1.45, -0.95, 0.95), (0.28, 0.03, 0.20))
 
 LEAD_S = 0.05
-"""How late the joints follow their motors' targets: the motors' damping over their stiffness."""
+"""The delay of the joints behind their motors' targets: the motors' damping over their
+stiffness."""
 
 _STIFFNESS = (2000.0, 2000.0, 2000.0, 2000.0, 800.0, 800.0, 800.0)
 """N m/rad, softer than in the model, whose motors rattle for good once one of them saturates: the

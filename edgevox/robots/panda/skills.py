@@ -11,7 +11,7 @@ from edgevox.robots.capabilities import Body, Report
 from edgevox.robots.panda.layout import BINS, CUBES, FAR_M, TABLE
 
 IT = "it"
-"""What stands for the thing that is held."""
+"""The word for the thing that is held."""
 
 _THINGS = ("cube", "block", "box", "brick", "object", "thing", "one", "1")
 """The last is how "one" arrives after numbers were written as digits."""
@@ -34,8 +34,9 @@ _TABLE_WORDS = {"table top": TABLE, "tabletop": TABLE, "desk": TABLE, "its place
 
 
 class Manipulator(Body, Protocol):
-    """What these skills need. The motions block; they raise `SkillFailed` with a reason,
-    `Cancelled` if the token is.
+    """The body that these skills need.
+
+    Motions block and raise `SkillFailed` with a reason, or `Cancelled` if the token is cancelled.
     """
 
     def move_to(
@@ -121,7 +122,7 @@ def _moving(body: Manipulator) -> tuple[Skill, ...]:
 
 
 def _check_point(x: float, y: float, z: float) -> None:
-    """What is nearer than this, the arm may offer another point for."""
+    """Refuse a point beyond `FAR_M`; for a nearer one, the arm may offer another point."""
     if max(abs(x), abs(y), abs(z)) > FAR_M:
         raise SkillFailed(because("point_too_far", x=f"{x:g}", y=f"{y:g}", z=f"{z:g}"))
 

@@ -1,4 +1,4 @@
-"""What the arm can be asked to do, as plain sequences of motions. All block; none needs a lock."""
+"""The arm's tasks, as plain sequences of motions. All block; none needs a lock."""
 
 import math
 from collections.abc import Sequence
@@ -75,7 +75,7 @@ def home(cell: Workcell, task: Task) -> None:
 
 
 def go(cell: Workcell, task: Task, end: Joints) -> None:
-    """To these joints: straight if that is free, else by way of a height where all is."""
+    """Move to these joints: straight if that is free, else by way of a height where all is free."""
     try:
         cell.swing(task, end, BRISK)
     except InTheWay:
@@ -101,7 +101,7 @@ def check_pick(cell: Workcell, name: str) -> None:
 
 
 def spot_for(cell: Workcell, name: str, target: str) -> Placed:
-    """Where the middle of this cube comes to lie. Raises `SkillFailed` if there is no room."""
+    """Return the place for the middle of this cube. Raises `SkillFailed` if there is no room."""
     things, half = cell.things(), CUBE_SIZE_M / 2
     if target == name:
         raise SkillFailed(because("on_itself", thing=spoken(name)))
@@ -201,11 +201,11 @@ def _turns(yaw_rad: float) -> list[float]:
 
 
 def _moved(cell: Workcell, name: str, hand: HandPose) -> bool:
-    """Whether the cube is not where the hand expects it."""
+    """Return whether the cube is not where the hand expects it."""
     return cell.things()[name].away_m(Placed(hand.x_m, hand.y_m, hand.z_m)) > _MOVED_M
 
 
 def _around(name: str, target: str | None = None) -> frozenset[Touch]:
-    """What may touch while this cube is grasped or put down there."""
+    """Return the touches that are allowed while this cube is grasped or put down there."""
     pads = {touch(name, finger) for finger in FINGERS}
     return frozenset(pads | ({touch(name, target)} if target else set()))

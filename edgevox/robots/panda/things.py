@@ -1,4 +1,4 @@
-"""Where the cubes are, seen as a person would say it. Metres, map frame."""
+"""The cubes' places in a person's words. Metres, map frame."""
 
 import math
 from collections.abc import Iterator, Mapping
@@ -23,12 +23,12 @@ class Placed:
     yaw_rad: float = 0.0
 
     def away_m(self, other: "Placed") -> float:
-        """How far two middles are apart, seen from above."""
+        """Return the distance of two middles, seen from above."""
         return math.dist((self.x_m, self.y_m), (other.x_m, other.y_m))
 
 
 Things = Mapping[str, Placed]
-"""Where each cube is, by name."""
+"""The cubes' places by name."""
 
 
 def where(name: str, things: Things, held: str | None) -> str:
@@ -56,7 +56,7 @@ def on_top(name: str, things: Things) -> str | None:
 
 
 def free_spot(name: str, box: Bin, things: Things) -> tuple[float, float] | None:
-    """Where in this bin there is most room for that cube; None if it is full."""
+    """Return the roomiest place in this bin for that cube; None if it is full."""
     reach = box.half_m - CUBE_SIZE_M - 0.005
     points = sorted(_grid(box.center, reach), key=lambda p: math.dist(p, box.center))
     return _roomiest(name, points, things)
@@ -91,6 +91,6 @@ def _roomiest(
 
 
 def _room(name: str, point: tuple[float, float], things: Things) -> float:
-    """How far the next other cube is from this point."""
+    """Return the distance from this point to the nearest other cube."""
     others = (other for o, other in things.items() if o != name)
     return min((math.dist(point, (o.x_m, o.y_m)) for o in others), default=math.inf)

@@ -35,10 +35,13 @@ _THINKING_S = 60.0
 class Workcell:
     """Owns the world and the arm in it. The motions block; they raise what ended the task.
 
-    `model_path` is the robot's MJCF. `seed` puts the cubes at their standard places (0) or at
-    random ones that are the same for the same seed. `speed` is how many seconds pass in its world
-    each second, 1 for real time; with None, for tests, they pass as fast as they can while the arm
-    moves, otherwise only as far as `advance` asks.
+    Args:
+        model_path: The robot's MJCF.
+        seed: 0 puts the cubes at their standard places; any other seed at its own random ones.
+        speed: Seconds of its world per second: 1 is real time. None, for tests, is as fast as
+            possible while the arm moves, and otherwise only as far as `advance` asks.
+        clock: The time; the system's by default.
+        name: The robot's name, for its threads.
     """
 
     def __init__(
@@ -59,7 +62,7 @@ class Workcell:
         self._build()
 
     def control(self) -> bool:
-        """One period. Where time can be held, it does not pass while a task is being planned."""
+        """Do one period. If time can be held, it does not pass while a task is being planned."""
         self._wait_for_a_plan()
         return self.arm.tick()
 
@@ -75,7 +78,7 @@ class Workcell:
 
     @property
     def task(self) -> Task | None:
-        """What it does, or plans to."""
+        """The task in progress or planning, if any."""
         return self._mux.motion
 
     def _knows_what_to_do(self) -> bool:
@@ -86,7 +89,7 @@ class Workcell:
         self._build()
 
     def reset(self) -> None:
-        """Everything as it was at the start; time goes on."""
+        """Put everything back to the start; time goes on."""
         with self.engine.lock:
             self.end(Cancelled(called_off("world_reset")))
             mujoco.mj_resetData(self.engine.model, self.engine.data)
@@ -178,7 +181,7 @@ class Workcell:
             return held
 
     def things(self) -> Things:
-        """Where the cubes are."""
+        """Return the cubes' places."""
         with self.engine.lock:
             return {name: self._placed(name) for name in layout.CUBES}
 
@@ -188,7 +191,7 @@ class Workcell:
             return np.array(self.engine.data.site(TCP).xpos)
 
     def progress(self) -> dict[str, Any] | None:
-        """What `robot_state` says of the task, if there is one."""
+        """Return the task's part of `robot_state`, if there is a task."""
         with self.engine.lock:
             task = self.task
             return task.describe() if task else None

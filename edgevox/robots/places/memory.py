@@ -1,4 +1,4 @@
-"""What one robot remembers of the places of one world, for as long as it is told to."""
+"""A robot's memory of places in one world, with forgetting."""
 
 import threading
 from collections.abc import Mapping, Sequence
@@ -18,14 +18,14 @@ from edgevox.robots.places.store import MOST_PLACES, Place, PlaceStore, check_ne
 log = get_logger(__name__)
 
 _MOST_TOLD = 5
-"""Of the places that cannot be used, so many are named in the log."""
+"""The most unusable places that are named in the log."""
 
 
 class PlaceMemory:
-    """Places by name, beside those that the world has by itself (`own`, and what they are called).
+    """Places by name, besides the world's own (`own`, with their names).
 
-    Until a file is opened it remembers for as long as it lives. `names`, `points` and `find` may be
-    called from any thread and never wait; what changes something waits for the disk.
+    Until a file is opened, places last as long as the object. `names`, `points` and `find` may be
+    called from any thread and never wait; a change waits for the disk.
     """
 
     def __init__(self, world: str, own: OneOf) -> None:
@@ -54,15 +54,15 @@ class PlaceMemory:
 
     @property
     def fault(self) -> str:
-        """Why places that were remembered may be missing; empty if none are."""
+        """The reason why remembered places may be missing; empty if none are."""
         return self._unread or (self._store.fault if self._store else "")
 
     def names(self) -> tuple[str, ...]:
-        """What is remembered, the oldest first."""
+        """Return the remembered names, the oldest first."""
         return tuple(self._places)
 
     def points(self) -> Mapping[str, tuple[float, float]]:
-        """Where they are, by name; metres."""
+        """Return the places' points by name, in metres."""
         return {name: (one.x, one.y) for name, one in self._places.items()}
 
     def find(self, name: str) -> Place | None:
@@ -116,7 +116,7 @@ class PlaceMemory:
         written = {*self._places, name}
 
         def change(places: Sequence[Place]) -> Sequence[Place]:
-            """What others wrote stays; what is known here is written again, should it be gone."""
+            """Keep other robots' places, and write this one's again if they are gone."""
             others = [one for one in places if not (self._mine(one) and one.name in written)]
             return (*others, *known, *((place,) if place else ()))
 

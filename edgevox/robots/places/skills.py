@@ -24,7 +24,7 @@ STILL_M_S, STILL_RAD_S = 0.05, 0.1
 
 
 class StandsSomewhere(HasPose, Protocol):
-    """What a body must tell of itself."""
+    """The capabilities that these skills need."""
 
     @property
     def places(self) -> Mapping[str, tuple[float, float]]: ...
@@ -47,7 +47,7 @@ def place_skills(
 
 
 def located(body: StandsSomewhere) -> tuple[Pose2D, str]:
-    """Where it is, and in which frame. Raises `SkillFailed` while that is unknown."""
+    """Return the body's pose and its frame. Raises `SkillFailed` while that is unknown."""
     return body.located() if isinstance(body, KnowsFrame) else (body.pose(), MAP)
 
 

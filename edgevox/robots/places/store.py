@@ -1,12 +1,11 @@
 """The file of remembered places: JSON, in a folder that survives restarts, whole at every moment.
 
     {"version": 1, "places": [{"robot": "robot-apartment", "world": "apartment", "name": "charger",
-                               "x": 6.4, "y": 2.1, "yaw": 1.57, "frame": "map"}]}
+        "x": 6.4, "y": 2.1, "yaw": 1.57, "frame": "map"}]}
 
-All robots of a machine may share a folder: who writes holds a lock, reads what stands there, and
+All robots of a machine may share a folder: a writer holds a lock, reads the present content, and
 changes only places of its own robot and world. A name is data in it, never a part of a path.
-
-What a place may be called by who talks to the robot.
+`check_new_name` decides which names people may give.
 """
 
 import fcntl
@@ -57,7 +56,7 @@ def check_new_name(name: str, own: Mapping[str, str]) -> None:
 
 
 def is_fit(name: str, own: Mapping[str, str]) -> bool:
-    """Whether a place may be called so, beside those of the map."""
+    """Return whether a place may have this name, besides those of the map."""
     try:
         check_new_name(name, own)
     except SkillFailed:
@@ -73,9 +72,10 @@ _Text = Annotated[str, Field(min_length=1, max_length=200)]
 
 
 class Place(BaseModel):
-    """A point of a world that was given a name: where a robot stood, or one that was told.
+    """A named point of a world: where a robot stood, or a point that was told.
 
-    Metres and radians (counter-clockwise from x) in `frame`; `yaw` is None where nobody stood.
+    Metres and radians (counter-clockwise from x) in `frame`; `yaw` is None for a point that was
+    told.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
@@ -108,7 +108,7 @@ class PlaceStore:
 
     @property
     def fault(self) -> str:
-        """What could not be read and was kept aside; empty if nothing was."""
+        """The file that could not be read and was kept aside; empty if there was none."""
         return self._state.fault
 
     def load(self) -> Sequence[Place]:
@@ -150,7 +150,7 @@ class PlaceStore:
             return places
 
     def _read(self) -> Sequence[Place] | None:
-        """As it is, by whoever holds the lock; None where there is none. Raises `OSError`."""
+        """Read the places, under the lock; None if there is no file. Raises `OSError`."""
         return self._state.read(self.file, self._parse)
 
     def _parse(self, text: str) -> Sequence[Place]:
@@ -178,7 +178,7 @@ class PlaceStore:
 
 
 def _too_many(places: Sequence[Place]) -> int:
-    """How many places one robot has of one world, where that is more than it may have; else 0."""
+    """Return one robot's number of places in a world, if that exceeds the limit; else 0."""
     each = Counter((one.robot, one.world) for one in places)
     most = max(each.values(), default=0)
     return most if most > MOST_PLACES else 0

@@ -1,4 +1,4 @@
-"""Fields of files about worlds: what a number, a point, a name or a list of them may be."""
+"""Fields of world files: the valid numbers, points, names, and lists of them."""
 
 import difflib
 from collections.abc import Callable, Collection, Mapping
@@ -18,9 +18,9 @@ LARGEST = 1e6
 
 
 class WorldPart(BaseModel):
-    """A mapping of a file. What is empty in it counts as absent; a mistyped key is refused.
+    """A mapping of a file. An empty value counts as absent; a mistyped key is refused.
 
-    `also` are keys that change nothing here. Another one is refused, too, unless `is_open`.
+    `also` are keys that change nothing here. Any other key is refused, too, unless `is_open`.
     """
 
     model_config = ConfigDict(extra="allow", frozen=True)
@@ -93,7 +93,7 @@ def called(check: Callable[[str, Any], str]) -> BeforeValidator:
 
 
 def chosen(kinds: Mapping[str, type[WorldPart]], usual: str) -> BeforeValidator:
-    """One of several kinds of mappings, by its `name`."""
+    """Choose one of several kinds of mappings by its `name`."""
 
     def choose(data: Any) -> Any:
         if not isinstance(data, Mapping):

@@ -1,6 +1,6 @@
-"""Loads a 2D world from a YAML file in IR-SIM's own format.
+"""The loader of 2D worlds: reads a YAML file in IR-SIM's own format.
 
-What EdgeVox needs beyond IR-SIM stands where IR-SIM ignores it, under `custom`:
+EdgeVox's additions, the rooms and the battery, stand where IR-SIM ignores them, under `custom`:
 
     custom:
       edgevox:
@@ -10,8 +10,6 @@ What EdgeVox needs beyond IR-SIM stands where IR-SIM ignores it, under `custom`:
 
 The first robot is the one that is driven. The edges of the world are solid. IR-SIM's `step_time`,
 behaviours, goals and drawing options belong to IR-SIM's own loop and change nothing here.
-
-What only EdgeVox knows in a world file: the rooms and the battery.
 """
 
 import math
@@ -117,7 +115,7 @@ class Extent(WorldPart):
 
     @property
     def area(self) -> Area:
-        """Where things are put that stand anywhere."""
+        """The area in which randomly placed things stand."""
         x, y = self.offset
         return (
             Pose2D(x + _MARGIN_M, y + _MARGIN_M, -math.pi),
@@ -126,7 +124,7 @@ class Extent(WorldPart):
 
 
 class Custom(WorldPart):
-    """What IR-SIM leaves to others."""
+    """The part of the file that IR-SIM leaves to other programs."""
 
     is_open: ClassVar[bool] = True
     edgevox: EdgevoxPart = EdgevoxPart()
@@ -150,8 +148,8 @@ def apartment_file() -> Path:
 def load_world(path: Path | None = None, *, seed: int = 0) -> World:
     """Read and check a world file, the apartment without one.
 
-    What the file leaves to chance, such as `distribution: {name: random}`, comes from `seed`.
-    Raises `InvalidValue` naming the file, the field, its value and what was expected.
+    `seed` decides random parts, such as `distribution: {name: random}`. Raises `InvalidValue`
+    naming the file, the field, its value and the expected value.
     """
     return _read(path, seed) if path else _apartment(seed)
 

@@ -1,4 +1,4 @@
-"""What a 2D world is, once its file has been read: the robot, the things, the rooms."""
+"""The model of a 2D world: the robot, the things, the rooms."""
 
 import math
 from collections.abc import Mapping
@@ -16,17 +16,16 @@ from edgevox.robots.world.fields import XY, NotNegative, Positive
 
 @dataclass(frozen=True, slots=True)
 class LidarSpec:
-    """A 2D lidar: `beams` rays over `angle_range_rad`, centred on its own forward direction.
-
-    A full circle starts at -pi and does not repeat its first beam; a part of one includes both
-    ends. `mount` is where it sits on the robot.
-    """
+    """A 2D lidar."""
 
     beams: int = 360
     angle_range_rad: float = 2 * math.pi
+    """Centred on its forward direction. A full circle starts at -pi and does not repeat its
+    first beam; a part of one includes both ends."""
     range_min_m: float = 0.0
     range_max_m: float = 10.0
     mount: Pose2D = ORIGIN
+    """Its pose on the robot."""
 
     @property
     def increment_rad(self) -> float:
@@ -51,19 +50,20 @@ class RobotSpec:
 
 @dataclass(frozen=True, slots=True)
 class Thing:
-    """A wall or a piece of furniture: shapes in its own frame, and where that frame stands.
-
-    A finite mass makes it something that the robot can push. `friction` is that of the floor,
-    `names` what it is called by language.
-    """
+    """A wall or a piece of furniture."""
 
     name: str
     parts: tuple[Shape, ...]
+    """Shapes in the thing's own frame."""
     pose: Pose2D
+    """The pose of that frame, map frame."""
     mass_kg: float = math.inf
+    """A finite mass lets the robot push it."""
     friction: float = 0.5
+    """The floor's."""
     color: str | None = None
     names: Mapping[str, str] = field(default_factory=dict)
+    """Its name by language."""
 
     @property
     def movable(self) -> bool:
@@ -76,7 +76,7 @@ class Thing:
 
     @property
     def spoken(self) -> str:
-        """What a person calls it: `chair_2` is a chair, `wall_north` is a wall."""
+        """Its name in a person's words: `chair_2` is a chair, `wall_north` is a wall."""
         if self.is_wall:
             return "wall"
         return self.name.replace("_", " ").rstrip("0123456789 ") or "thing"
@@ -88,24 +88,24 @@ class Thing:
 
     @property
     def named(self) -> Named:
-        """How sentences mention it, in each language."""
+        """Its form in sentences, by language."""
         return Named(self.mentioned, self.names)
 
 
 @dataclass(frozen=True, slots=True)
 class Room:
-    """A named area and the point that "go there" means.
-
-    `hints` are sentences of people who want to be there, `aliases` other words for it, `names` what
-    it is called by language.
-    """
+    """A named area."""
 
     name: str
     outline: Polygon
     goal: Point
+    """The point that "go there" means."""
     hints: tuple[str, ...] = ()
+    """Sentences of people who want to be there."""
     aliases: tuple[str, ...] = ()
+    """Other words for it."""
     names: Mapping[str, OwnName] = field(default_factory=dict)
+    """Its name by language."""
 
     @property
     def spoken(self) -> str:
@@ -115,7 +115,7 @@ class Room:
 
 @dataclass(frozen=True, slots=True)
 class BatterySpec:
-    """How a battery empties (see `battery.py`) and where it is charged."""
+    """The consumption of a battery (see `Battery`), and the place where it is charged."""
 
     capacity_wh: Positive = 40.0
     idle_w: NotNegative = 1.0
@@ -165,11 +165,11 @@ class World:
 
     @property
     def bounds(self) -> Bounds:
-        """Its edges."""
+        """The world's edges."""
         return Bounds(self.name, self.x_min_m, self.x_max_m, self.y_min_m, self.y_max_m)
 
     def covers(self, x_m: float, y_m: float) -> bool:
-        """Whether a point is within the edges."""
+        """Return whether a point is within the edges."""
         return self.x_min_m <= x_m <= self.x_max_m and self.y_min_m <= y_m <= self.y_max_m
 
     def room_at(self, x_m: float, y_m: float) -> Room | None:

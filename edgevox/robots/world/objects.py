@@ -1,6 +1,6 @@
 """The `robot` and `obstacle` entries of a world file, as IR-SIM means them.
 
-Where the objects of one entry of a world file stand: IR-SIM's `state` and `distribution`.
+IR-SIM's `state` and `distribution` give the places of an entry's objects.
 """
 
 import math
@@ -66,12 +66,12 @@ def _poses(value: Any) -> tuple[Pose2D, ...]:
 
 
 Poses = Annotated[tuple[Pose2D, ...], PlainValidator(_poses)]
-"""One pose that all share, or one each; the last one is that of all that are left."""
+"""One pose for all objects, or one each; the last one is for all that are left."""
 
 
 @dataclass(frozen=True)
 class Placing:
-    """What is to be placed: so many objects, with the poses that are written, in an area."""
+    """A placement to make: this many objects, with the written poses, in an area."""
 
     written: Sequence[Pose2D]
     number: int
@@ -80,7 +80,7 @@ class Placing:
 
 
 class Distribution(WorldPart):
-    """How the objects of an entry are placed; as is written, unless told otherwise."""
+    """The placement of an entry's objects: by default, as written."""
 
     also: ClassVar[frozenset[str]] = frozenset({"name", "3d"})
 
@@ -137,12 +137,12 @@ AnyDistribution = Annotated[
 
 
 MOST_OBJECTS = 1000
-"""Of one entry; a world of more is a mistake or an attack."""
+"""The most objects of one entry; a larger world is a mistake or an attack."""
 _ONE_NUMBER_EACH = frozenset({"mass", "friction", "inertia", "restitution"})
 
 
 class ObjectEntry(WorldPart):
-    """One or several objects. What is a list is that of each object, by its index."""
+    """An entry for one or several objects. A list holds each object's value, by its index."""
 
     is_open: ClassVar[bool] = True
     also: ClassVar[frozenset[str]] = words(
@@ -174,7 +174,7 @@ def members(
 
 @dataclass(frozen=True)
 class Member:
-    """One object: what is written of it, where in the file, and where it stands."""
+    """An object: its part of the file, and its pose."""
 
     file: YamlFile
     place: Place
@@ -296,7 +296,10 @@ class _ThingEntry(BaseModel):
 
     @property
     def mass_kg(self) -> float:
-        """What is driven weighs something, what is not stands fast, unless it is told."""
+        """The mass.
+
+        A driven object has 1 kg, another stands fast, unless the file says otherwise.
+        """
         if self.mass is not None:
             return self.mass
         drives = self.kinematics.name not in ("", "static") and not self.static
@@ -325,7 +328,7 @@ class _LidarEntry(WorldPart):
 
     @property
     def spec(self) -> LidarSpec:
-        """As the robot carries it."""
+        """The lidar's specification on the robot."""
         return LidarSpec(
             beams=self.number,
             angle_range_rad=min(self.angle_range, 2 * math.pi),
@@ -336,7 +339,10 @@ class _LidarEntry(WorldPart):
 
 
 def _nth(key: str, value: Any, index: int) -> Any:
-    """What IR-SIM gives the object with this index: its entry of a list, or what all share."""
+    """Return the value for the object with this index, as IR-SIM does.
+
+    Its own, or the shared one.
+    """
     if key == "sensors" or not isinstance(value, list) or not value:
         return value
     shared = all(isinstance(v, int | float) for v in value) and key not in _ONE_NUMBER_EACH

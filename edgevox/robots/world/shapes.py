@@ -33,7 +33,7 @@ class ShapePart(WorldPart):
     pose: ThreeOrMore = (0.0, 0.0, 0.0)
 
     def made(self, dice: random.Random) -> tuple[Shape, ...]:
-        """What it consists of, in its object's own frame. What is random comes from `dice`."""
+        """Return its parts in the object's own frame; `dice` decides the random ones."""
         raise NotImplementedError
 
 
@@ -85,7 +85,7 @@ def _ring(vertices: tuple[Point, ...]) -> tuple[Point, ...]:
 
 
 class _CorneredPart(ShapePart):
-    """What has corners; IR-SIM could make them up."""
+    """A shape with corners, which IR-SIM can also make at random."""
 
     also: ClassVar[frozenset[str]] = words(
         "name is_convex center_range avg_radius_range irregularity_range spikeyness_range "

@@ -1,4 +1,4 @@
-"""Runs an action to its end; whoever stops waiting for it cancels it."""
+"""A runner of actions: runs one to its end, or cancels it when the caller stops waiting."""
 
 import contextlib
 import threading
@@ -21,9 +21,9 @@ from edgevox.ros2.clients.waiting import TookTooLong, wait_for
 log = get_logger(__name__)
 
 CANCEL_S = 5.0
-"""So long an action that is cancelled may take to end."""
+"""Seconds that a cancelled action may take to end."""
 FEEDBACK_DEPTH = 10
-"""So much feedback may wait for the skill; of more the oldest is lost."""
+"""Feedback messages that may wait for the skill; beyond that, the oldest is lost."""
 
 
 class ActionRunner(InterfaceClient):
@@ -41,12 +41,12 @@ class ActionRunner(InterfaceClient):
         hear: Callable[[Any], None] = lambda _: None,
         give_up: Callable[[], None] = lambda: None,
     ) -> Any:
-        """Its result; `hear` gets its feedback, on the calling thread.
+        """Run the action and return its result; `hear` gets its feedback, on the calling thread.
 
-        `give_up` is called when a goal that was accepted has been cancelled and may still be at it.
+        `give_up` is called when an accepted goal was cancelled and may still be running.
 
-        Raises `SkillFailed` with why it did not succeed, `Cancelled`, or what `hear` raised. In all
-        of these cases the action has been cancelled, and has ended if it did within `CANCEL_S`.
+        Raises `SkillFailed` with the reason, `Cancelled`, or the error of `hear`. In each of these
+        cases the action has been cancelled, and has ended if it did so within `CANCEL_S`.
         """
         self.until_there(self._client.server_is_ready, token, timeout_s, "not_there")
         until_s = self._clock.now() + timeout_s
@@ -113,7 +113,7 @@ class ActionRunner(InterfaceClient):
 
 
 class _Feedback:
-    """From the node's thread, which must not wait, to the skill's, which may take its time."""
+    """A queue of feedback from the node's thread, which must not wait, to the skill's."""
 
     def __init__(self) -> None:
         self._changed = threading.Event()
@@ -127,13 +127,13 @@ class _Feedback:
         self._changed.set()
 
     def wait(self, timeout_s: float) -> list[Any]:
-        """What has come since the last time, once something has, or it was woken."""
+        """Wait for a message or `wake`; return the messages since the last call."""
         self._changed.wait(timeout_s)
         self._changed.clear()
         return [self._messages.popleft() for _ in range(len(self._messages))]
 
 
 def _cancel_late(sent: Future) -> None:
-    """A goal that is accepted when nobody wants it any more."""
+    """Cancel a goal that is accepted after the caller has stopped waiting."""
     if sent.exception() is None and sent.result() is not None and sent.result().accepted:
         sent.result().cancel_goal_async()

@@ -43,7 +43,7 @@ class _ClientKey:
 
 
 class AgentNodeHandle:
-    """Is a `NodeHandle`. Whoever has the node lends it with `open`, before it is spun."""
+    """A `NodeHandle`. The owner of the node lends it with `open`, before it is spun."""
 
     def __init__(self, clock: Clock | None = None) -> None:
         self._clock = clock or SystemClock()
@@ -53,12 +53,12 @@ class AgentNodeHandle:
         self._making = threading.Lock()
 
     def open(self, node: Node) -> None:
-        """From now on this is the node."""
+        """Use this node from now on."""
         self._clients = {one: one.made(node, self._clock) for one in self._listens}
         self._node = node
 
     def close(self) -> None:
-        """The node is about to go; who waits for something ends by its token."""
+        """Take the node back, before it is destroyed; waiting callers end by their tokens."""
         self._node = None
         self._clients = {}
 

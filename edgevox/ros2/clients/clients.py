@@ -1,17 +1,10 @@
-"""What clients of all kinds of interfaces share: where they live, and how they fail.
+"""Clients of ROS 2 interfaces for skills: services, topics, and the common parts.
 
-Why an interface of the robot did not do what was asked, in the languages of the robot.
+`on_node_thread` runs work on the thread that spins the node, for a caller on another thread.
+Meanwhile nothing else happens to the node: rclpy's action clients and a node's lists of its
+entities are not made for several threads.
 
-Work that is done on the thread that spins a node, for who waits on another one.
-
-There nothing else happens to the node meanwhile: rclpy's action clients and a node's lists of what
-it has are not made for several threads.
-
-Calls a service, and waits for its answer.
-
-Publishes on a topic, to somebody who listens.
-
-Hears a topic, and knows the newest message.
+Failures are told in the robot's languages (`interface_reason`).
 """
 
 from collections.abc import Callable, Sequence
@@ -48,7 +41,7 @@ def interface_reason(code: str, *, what: str) -> Reason:
 T = TypeVar("T")
 
 NODE_S = 5.0
-"""So long the node's thread may be busy with something else."""
+"""Seconds that the node's thread may be busy with other work."""
 
 
 class NodeBusy(Exception):
@@ -56,9 +49,9 @@ class NodeBusy(Exception):
 
 
 def on_node_thread(node: Node, work: Callable[[Node], T], timeout_s: float = NODE_S) -> T:
-    """What this returns, or raises, on the thread that spins the node. It must not wait there.
+    """Run `work` on the thread that spins the node, where it must not wait; return its result.
 
-    Raises `NodeBusy` if nothing has begun it by then; it is not begun later.
+    Raises the errors of `work`, or `NodeBusy` if it has not begun by then; it is not begun later.
     """
     done: Future[T] = Future()
     try:
@@ -83,7 +76,7 @@ def _do(work: Callable[[Node], T], node: Node, done: "Future[T]") -> None:
 
 
 THERE_S = 3.0
-"""So long an interface may take to be discovered."""
+"""Seconds that the discovery of an interface may take."""
 
 
 class InterfaceClient:
@@ -97,7 +90,7 @@ class InterfaceClient:
         self._node, self._kind, self._clock = node, kind, clock
 
     def failed(self, code: str) -> SkillFailed:
-        """What to raise where it has failed; logged with the interface."""
+        """Log the failure, and return the error to raise."""
         log.warning("interface_failed", interface=self.name, why=code)
         return SkillFailed(interface_reason(code, what=self.name))
 
@@ -125,9 +118,10 @@ class ServiceCaller(InterfaceClient):
         timeout_s: float,
         give_up: Callable[[], None] = lambda: None,
     ) -> Any:
-        """Its answer. Raises `SkillFailed` where it is not there or silent, or `Cancelled`.
+        """Return the service's answer.
 
-        `give_up` is called where it was silent for so long: it may still be at it.
+        Raises `SkillFailed` if the service is missing or silent, or `Cancelled`. `give_up` is
+        called on a timeout, because the service may still be working.
         """
         self.until_there(self._client.service_is_ready, token, timeout_s, "not_there")
         future = self._client.call_async(request)
@@ -151,7 +145,7 @@ def type_name(kind: Any) -> str:
 
 
 class TopicSender(InterfaceClient):
-    """A topic's publisher; what is `latched` is kept for who listens later."""
+    """A topic's publisher; a `latched` message is kept for late subscribers."""
 
     def __init__(self, node: Node, kind: Any, name: str, clock: Clock, *, latched: bool) -> None:
         super().__init__(node, kind, name, clock)
@@ -160,7 +154,7 @@ class TopicSender(InterfaceClient):
         self._publisher = node.create_publisher(kind, name, qos)
 
     def until_heard(self, token: CancelToken, timeout_s: float) -> None:
-        """Wait until somebody listens, unless it is latched. Raises `SkillFailed`, `Cancelled`."""
+        """Wait for a subscriber, unless it is latched. Raises `SkillFailed`, `Cancelled`."""
         if not self._latched:
             heard = self._publisher.get_subscription_count
             self.until_there(lambda: heard() > 0, token, timeout_s, "nobody_listens")
@@ -171,7 +165,7 @@ class TopicSender(InterfaceClient):
 
 
 READ_S = 5.0
-"""What was heard so long ago is no answer; unless the topic is latched, which says it once."""
+"""An older message is no answer, unless the topic is latched, which publishes once."""
 
 
 class TopicListener(InterfaceClient):

@@ -14,7 +14,7 @@ LOOK_AGAIN_S = 0.05
 
 
 class TookTooLong(Exception):
-    """It did not come within its time."""
+    """The awaited event did not come in time."""
 
 
 def wait_for(future: Future, token: CancelToken, timeout_s: float) -> Any:
@@ -45,10 +45,10 @@ def wait_until(
 
 
 class Newest:
-    """The newest messages of a topic, taken on the node's thread and waited for on others.
+    """The newest messages of a topic, taken on the node's thread and awaited on others.
 
-    Who waits is given each message, however quickly they follow on one another. `keeps` is how many
-    are kept for who begins to wait only after they came.
+    A waiting caller gets every message, however fast they come. `keeps` is the number of messages
+    that are kept for a caller who begins to wait after they came.
     """
 
     def __init__(self, clock: Clock, keeps: int = 1) -> None:
@@ -74,7 +74,7 @@ class Newest:
             return message if self._clock.now() - at_s <= oldest_s else None
 
     def since(self, begun_s: float) -> list[Any]:
-        """Those kept that came since then, the oldest first."""
+        """Return the kept messages that came since then, the oldest first."""
         with self._changed:
             return [message for at_s, message in self._kept if at_s >= begun_s]
 
@@ -104,9 +104,9 @@ class Newest:
                 self._waiting = [one for one in self._waiting if one is not waits]
 
     def _next(self, waits: "deque[Any]", token: CancelToken, until_s: float) -> bool:
-        """Whether there is a message; else it was awake for nothing.
+        """Return whether there is a message; False for an idle wake-up.
 
-        A flood of messages that do not fit keeps nobody from a stop, nor beyond the time.
+        A flood of messages that do not fit delays neither a stop nor the timeout.
         """
         token.check()
         with self._changed:

@@ -1,1 +1,1 @@
-"""What `edgevox doctor` and the start-up check run in a process of its own."""
+"""Checks of `edgevox doctor` and of the start-up, each run in its own process."""

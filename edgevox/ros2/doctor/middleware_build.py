@@ -1,4 +1,4 @@
-"""What the middleware was built with: security, and whose OpenSSL. Runs in a process of its own."""
+"""The middleware's build: security, and whose OpenSSL. Runs in its own process."""
 
 import importlib.util
 import os
@@ -10,14 +10,14 @@ SECURITY = b"dds.sec.auth.builtin.PKI-DH"
 """A property of Fast DDS's authentication plug-in: a build without security lacks its name."""
 FAST_DDS = re.compile(r"libfast(rtps|dds)\.so")
 BUNDLED_OPENSSL = re.compile(r"\.libs/libssl-\w+\.so\.([\w.]+)")
-"""What wheels bring along, in a folder of their own and under a name that nobody else has."""
+"""OpenSSL libraries of Python wheels: their folder and file names are unlike any other's."""
 
 
 def middleware_build(middleware: str = "") -> dict[str, Any]:
-    """Which middleware loads, whether it has DDS security, and which OpenSSL wheels brought.
+    """Report which middleware loads, whether it has DDS security, and the wheels' OpenSSL version.
 
-    Makes no node: one that lacks security would hang or end the process. Only Fast DDS counts as
-    secure, since only its libraries are known here.
+    Makes no node: without security support, one would hang or end the process. Only Fast DDS counts
+    as secure, since only its libraries are known here.
     """
     for name in [name for name in os.environ if name.startswith("ROS_SECURITY_")]:
         del os.environ[name]  # a context would look for the enclave first
@@ -37,7 +37,7 @@ def middleware_build(middleware: str = "") -> dict[str, Any]:
 
 
 def judged_by(libraries: set[str]) -> dict[str, Any]:
-    """What the loaded libraries, by their paths, say of the build."""
+    """Judge the build by the paths of the loaded libraries."""
     fast_dds = [Path(one) for one in libraries if FAST_DDS.search(one)]
     openssl = [found[1] for one in libraries if (found := BUNDLED_OPENSSL.search(one))]
     return {

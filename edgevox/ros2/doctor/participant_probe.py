@@ -1,15 +1,15 @@
-"""Whether the middleware takes an enclave. Runs in a process of its own, with its environment."""
+"""A probe that joins a DDS enclave. Runs in its own process, with that enclave's environment."""
 
 from typing import Any
 
 _NO_PARTICIPANT = "create participant"
-"""In what rmw says where the enclave is at fault, and not what the node is called."""
+"""Part of rmw's message if the enclave is at fault, and not the node's name."""
 
 
 def participant_probe() -> dict[str, Any]:
-    """Whether a participant is made in the environment's enclave; it is left at once.
+    """Try to create a participant in the environment's enclave, and leave at once.
 
-    The middleware checks what nobody else here can: who signed the governance and the permissions.
+    Only the middleware can check who signed the governance and the permissions.
     """
     import rclpy
     from rclpy.context import Context

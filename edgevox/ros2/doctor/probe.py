@@ -1,7 +1,7 @@
-"""What can be found out about ROS 2 on this machine; for the doctor, in processes of their own.
+"""Probes of ROS 2 on this machine for the doctor, run in their own processes.
 
-``python -m edgevox.ros2.doctor.probe TOPIC`` is the other end of the round trip: it sends back what
-it hears.
+``python -m edgevox.ros2.doctor.probe TOPIC`` is the other end of the round trip: it sends back
+every message that it hears.
 """
 
 import importlib
@@ -21,7 +21,7 @@ TRIPS = 5
 
 
 def middleware() -> dict[str, Any]:
-    """Whether rclpy is here and the middleware that the environment asks for loads."""
+    """Report whether rclpy is installed and the environment's middleware loads."""
     facts = {"missing": "", "failed": "", "middleware": "", "installed": _installed()}
     if importlib.util.find_spec("rclpy") is None:
         return facts | {"missing": "no module rclpy"}
@@ -38,7 +38,7 @@ def middleware() -> dict[str, Any]:
 
 
 def interfaces() -> dict[str, Any]:
-    """Which of the interfaces that EdgeVox uses are not built for this Python."""
+    """List the interfaces of EdgeVox that are not built for this Python."""
     return {"missing": [name for name in INTERFACES if not _imports(name)]}
 
 
@@ -71,7 +71,7 @@ def round_trip() -> dict[str, Any]:
 
 
 def echo(topic: str) -> None:
-    """Write a line when it is there; then send back what is heard, until standard input ends."""
+    """Write a line when ready; then send back every message, until standard input ends."""
     from rclpy.qos import QoSProfile
     from std_msgs.msg import String
 

@@ -1,4 +1,4 @@
-"""What a robot is asked for, 20 times a second: to go on with a drive, to stand, or nothing.
+"""The control loop: at 20 Hz, tells the robot to go on with a drive, to stand, or nothing.
 
 Velocities leave from here and from a drive that steers, never from both, and none leaves while the
 robot drives by itself.
@@ -26,7 +26,7 @@ HOLD_AT_LEAST_S = 1.0
 
 
 class ZeroVelocity(Motion):
-    """Until the robot is seen to stand; the error is that it plainly does not obey."""
+    """Sends zero velocity until the robot stands; fails if the robot plainly does not obey."""
 
     def __init__(self, now_s: float) -> None:
         super().__init__()
@@ -34,14 +34,14 @@ class ZeroVelocity(Motion):
         self.recalled_s = now_s
 
     def progress(self) -> Progress:
-        """Nobody knows how far it is before it stands."""
+        """Return 0 or 1: the time until it stands is unknown."""
         return Progress(1.0 if self.done else 0.0)
 
 
 class ControlLoop:
-    """The body holds the lock for `start` and `tick`. `mux` says what moves the robot.
+    """The loop; the body holds the lock for `start` and `tick`.
 
-    `hold` is the one that the newest halt asked for.
+    `mux` decides what moves the robot. `hold` is the newest halt's.
     """
 
     def __init__(

@@ -1,8 +1,7 @@
-"""What is heard from the robot: odometry, scans, transforms and its map, the newest of each.
+"""The robot's inputs: odometry, scans, transforms, camera and map, the newest of each.
 
-The camera of a robot: its newest picture, kept as it came, since decoding each costs a core.
-
-The map of a robot: its newest occupancy grid, checked as it comes, drawn when somebody looks.
+A picture is kept as it came, since decoding each costs a core. An occupancy grid is checked as it
+comes, and decoded only when it is shown.
 """
 
 import math
@@ -51,7 +50,7 @@ ENCODINGS = {
     "mono8": (1, (0, 0, 0)),
     "8UC1": (1, (0, 0, 0)),
 }
-"""How many bytes a pixel has, and where red, green and blue stand in it."""
+"""Bytes per pixel, and the positions of red, green and blue in it, by encoding."""
 
 
 class CameraInput:
@@ -69,9 +68,10 @@ class CameraInput:
         return self._clock.now() - self._newest[0] <= SILENT_S
 
     def pixels(self) -> NDArray[np.uint8] | None:
-        """The newest picture, shape (height, width, 3), RGB; None if none came in the last second.
+        """Return the newest picture, shape (height, width, 3), RGB.
 
-        Raises `InvalidValue` for one that cannot be shown.
+        None if none came in the last second. Raises `InvalidValue` for a picture that cannot be
+        shown.
         """
         heard_s, data = self._newest
         if self._clock.now() - heard_s > SILENT_S:
@@ -83,7 +83,7 @@ class CameraInput:
 
 
 def pixels_of(message: Image) -> NDArray[np.uint8]:
-    """Its pixels, shape (height, width, 3), RGB. Raises `InvalidValue` naming the field."""
+    """Decode the pixels, shape (height, width, 3), RGB. Raises `InvalidValue` naming the field."""
     if message.encoding not in ENCODINGS:
         raise InvalidValue(f"{CAMERA_TOPIC}: encoding", message.encoding, " or ".join(ENCODINGS))
     size, order = ENCODINGS[message.encoding]
@@ -101,9 +101,9 @@ def pixels_of(message: Image) -> NDArray[np.uint8]:
 
 MAP_TOPIC = "map"
 MOST_CELLS = 1 << 24
-"""Of a grid that is heard: 200 m by 200 m of 5 cm."""
+"""The largest grid that is accepted: 200 m by 200 m at 5 cm."""
 MOST_SHOWN = 512
-"""So many cells along each side are kept of it."""
+"""Cells along each side that are kept of a grid."""
 FREE_PERCENT, OCCUPIED_PERCENT = 25, 65
 """Up to the one a cell is free, from the other on it is occupied, as for Nav2's map server."""
 FINEST_M = 0.001
@@ -115,19 +115,19 @@ _KINDS[OCCUPIED_PERCENT:101] = OCCUPIED
 
 
 class MapInput:
-    """Subscribes on a node in the robot's namespace; thread-safe.
+    """The robot's map, from its topic; thread-safe.
 
-    What cannot be a map is refused as it comes, and the one that was there stays. Of another the
-    cells are looked at when somebody looks, since the thread that hears it steers the robot, too.
+    An invalid map is refused on arrival, and the last one stays. The cells of a valid one are
+    decoded only when they are read, since the thread that receives maps steers the robot, too.
 
-    It is asked for both ways: by a publisher that keeps its map for whoever comes later, whom alone
-    a subscription that wants such maps hears, and by one that does not.
+    It subscribes twice: with transient local, to get the kept map of a publisher that offers it,
+    and volatile, for a publisher that does not.
     """
 
     def __init__(self, node: Node) -> None:
         self.topic = node.resolve_topic_name(MAP_TOPIC)
         self.refused = 0
-        """How many could not be a map."""
+        """Messages that were no valid map."""
         self._unread: deque[OccupancyGrid] = deque(maxlen=1)
         self._newest: tuple[OccupancyMap, str] | None = None
         self._lock = threading.Lock()
@@ -170,14 +170,14 @@ class MapInput:
 
 
 def map_of(message: OccupancyGrid) -> OccupancyMap:
-    """What is known of it, coarse enough to be shown. Raises `InvalidValue` naming the field."""
+    """Decode the map, coarse enough to be shown. Raises `InvalidValue` naming the field."""
     origin, info = origin_of(message), message.info
     cells = _KINDS[np.frombuffer(message.data, np.uint8).reshape(info.height, info.width)]
     return OccupancyMap(cells, info.resolution, origin).cropped().reduced(MOST_SHOWN)
 
 
 def origin_of(message: OccupancyGrid) -> Pose2D:
-    """Where its lower left corner is. Raises `InvalidValue` naming the field of what is no map."""
+    """Return the pose of the lower left corner. Raises `InvalidValue` naming the wrong field."""
     info = message.info
     rows, columns, resolution_m = info.height, info.width, info.resolution
     if not 0 < rows * columns <= MOST_CELLS:
@@ -202,10 +202,10 @@ _ANY_TF = 100
 
 
 class SensorInputs:
-    """Subscribes on a node in the robot's namespace. Callbacks only store; all is thread-safe.
+    """The robot's sensors, subscribed in its namespace. Callbacks only store; thread-safe.
 
-    Everything is heard best effort and volatile, which publishers of any quality can serve; only
-    /tf_static and the map are asked for what was said before.
+    All subscriptions are best effort and volatile, which match a publisher of any quality; only
+    /tf_static and the map ask for earlier messages.
     """
 
     def __init__(self, node: Node, clock: Clock, speeds: Speeds) -> None:
@@ -235,7 +235,7 @@ class SensorInputs:
 
     @property
     def refusals(self) -> Mapping[tuple[str, ...], int]:
-        """How many messages could not be true, by topic and reason."""
+        """The number of implausible messages, by topic and reason."""
         return {
             (self.odom_topic, Refusal.IMPLAUSIBLE): self.odometry_history.refused,
             (self.scan_topic, Refusal.IMPLAUSIBLE): self._refused_scans,
@@ -244,9 +244,9 @@ class SensorInputs:
         }
 
     def estimate(self) -> PoseEstimate | None:
-        """Where the robot is now; None while its odometry is silent.
+        """Return the robot's current pose and motion; None while its odometry is silent.
 
-        In the map, where transforms join the odometry's frame to one; otherwise the odometry's
+        In the map frame, if transforms join the odometry's frame to one; otherwise the odometry's
         frame is taken for the map.
         """
         seen = self.odometry_history.fresh()
@@ -262,7 +262,7 @@ class SensorInputs:
 
     @property
     def distrusted(self) -> str:
-        """The topic whose news of where the robot is cannot be true; empty if there is none."""
+        """The topic whose data on the robot's pose is implausible; empty if there is none."""
         if self.odometry_history.absurd:
             return self.odom_topic
         estimate = self.estimate()
@@ -311,13 +311,13 @@ class SensorInputs:
         return replace(shown, origin=project(compose(joined, lift(shown.origin))))
 
     def trusted_scan(self) -> LidarScan | None:
-        """As `scan`. Raises `SkillFailed` while what the lidar says cannot be true."""
+        """Return `scan`. Raises `SkillFailed` while the lidar's data is implausible."""
         if self._clock.now() - self._scan_refused_s <= SILENT_S:
             raise incredible(self.scan_topic)
         return self.scan()
 
     def _mount(self, frame: str) -> Pose2D:
-        """Where the lidar sits on the body; at its middle, looking ahead, if no transform says."""
+        """Return the lidar's mount on the body; without a transform, the middle, looking ahead."""
         seen = self.odometry_history.newest()
         if seen is None:
             return ORIGIN
@@ -374,5 +374,5 @@ class SensorInputs:
 
 
 def incredible(topic: str) -> SkillFailed:
-    """Why nothing is done by what is heard on a topic."""
+    """Return the error for acting on an implausible topic."""
     return SkillFailed(because("incredible", topic=topic))

@@ -30,9 +30,9 @@ Name = Annotated[str, called(partial(read_name, longest=LONGEST_PLACE))]
 
 @dataclass(frozen=True, slots=True)
 class Location:
-    """A point of the map (m), the way to look there (rad) if any, and what else it is called.
+    """A point of the map.
 
-    `names` are what it is called by language.
+    Metres, and the heading in radians, if it has one. `names` are its names by language.
     """
 
     x_m: float
@@ -66,7 +66,7 @@ class LocationsFile(RootModel[Annotated[dict[Name, LocationEntry], AfterValidato
 def load_locations(path: Path) -> Mapping[str, Location]:
     """Read and check a locations file.
 
-    Raises `InvalidValue` naming the file, the field, its value and what was expected.
+    Raises `InvalidValue` naming the file, the field, its value and the expected value.
     """
     return parse_locations(read_text(path, "locations"), path.name)
 

@@ -1,8 +1,7 @@
-"""The ways to make a robot drive to a point: it takes goals, or it is steered.
+"""The ways to drive a robot to a point: by goals, or by steering.
 
-Steers a robot by velocities, for robots that take no goals: straight there, around nothing.
-
-Where a drive goes to, and how far that is.
+`Target` is the point, with the distance to it. `OwnSteering` steers a robot that takes no goals by
+velocities: straight to the point, around nothing.
 """
 
 import math
@@ -36,7 +35,7 @@ class Target:
     yaw_rad: float | None = None
 
     def distance_m(self, pose: Pose2D) -> float:
-        """How far away it is, as the crow flies."""
+        """Return the straight-line distance to the target, in metres."""
         return math.hypot(self.x_m - pose.x_m, self.y_m - pose.y_m)
 
     def bearing_rad(self, pose: Pose2D) -> float:
@@ -46,7 +45,7 @@ class Target:
         return math.atan2(self.y_m - pose.y_m, self.x_m - pose.x_m)
 
     def turn_rad(self, pose: Pose2D) -> float:
-        """How much to turn for the heading asked for, counter-clockwise; 0 if none is."""
+        """Return the turn to the wanted heading, counter-clockwise; 0 without one."""
         if self.yaw_rad is None:
             return 0.0
         return turn_between(pose.yaw_rad, self.yaw_rad)
@@ -54,19 +53,18 @@ class Target:
 
 @dataclass(frozen=True, slots=True)
 class PoseEstimate:
-    """Where the robot is and how it moves, in `frame`: the map, or odometry taken for it.
-
-    `stamp_ns` is the robot's own time.
-    """
+    """The robot's pose and motion."""
 
     pose: Pose2D
     twist: Twist2D
     frame: str
+    """The map frame, or the odometry's, taken for the map."""
     stamp_ns: int
+    """The robot's own time, in nanoseconds."""
 
 
 def describe(estimate: PoseEstimate | None) -> dict[str, Any]:
-    """Where a robot is and how it moves, as `robot_state` says it."""
+    """Return the robot's pose and motion in the form of `robot_state`."""
     if estimate is None:
         return {"frame": None, "pose": None, "velocity": None}
     pose, twist = estimate.pose, estimate.twist
@@ -90,8 +88,8 @@ _CORRECTED_M = 0.3
 class OwnSteering:
     """Turns towards the target, drives there in a straight line, turns as asked, and stands.
 
-    It plans no way. If scans arrive, it waits for what stands in its way, and gives up in time.
-    `scan` gives the newest, or raises `SkillFailed` where it cannot be believed.
+    It plans no path. If there are scans, it waits for an obstacle on its way to move, and gives up
+    after a while. `scan` returns the newest scan, or raises `SkillFailed` if it is implausible.
     """
 
     name = "cmd_vel"
@@ -113,7 +111,7 @@ class OwnSteering:
 
     @property
     def waiting(self) -> bool:
-        """Whether it stands for something in its way."""
+        """Whether it waits for an obstacle."""
         return self._waiting_since_s is not None
 
     def available(self) -> bool:
@@ -174,7 +172,10 @@ class OwnSteering:
 
 
 def blocked(scan: LidarScan | None, reach_m: float, half_width_m: float) -> bool:
-    """Whether a scan shows anything in the strip before the robot, this far from its middle."""
+    """Return whether the scan shows an obstacle in the strip ahead of the robot.
+
+    The strip reaches `reach_m` from the robot's middle, and `half_width_m` to either side.
+    """
     if scan is None:
         return False
     # Minus infinity is nearer than the lidar can tell (REP 117), which is near enough.
@@ -185,7 +186,7 @@ def blocked(scan: LidarScan | None, reach_m: float, half_width_m: float) -> bool
 
 
 class MotionBackend(Protocol):
-    """One way to drive. `begin`, `tick` and `cancel` are quick and called under the body's lock."""
+    """A way to drive. `begin`, `tick` and `cancel` are quick and called under the body's lock."""
 
     name: str
     patience: Patience
@@ -195,7 +196,7 @@ class MotionBackend(Protocol):
         """Whether the robot stands on its way for a good reason."""
 
     def available(self) -> bool:
-        """Whether the robot can be driven this way, as far as the graph is known."""
+        """Return whether this way is usable, as far as the graph is known."""
 
     def begin(self, target: Target, estimate: PoseEstimate) -> None: ...
 
@@ -203,7 +204,7 @@ class MotionBackend(Protocol):
         """Go on; True once there and standing. Raises `SkillFailed` when it cannot."""
 
     def left_m(self, estimate: PoseEstimate) -> float:
-        """What is left of the way."""
+        """Return the remaining distance, in metres."""
 
     def cancel(self, estimate: PoseEstimate | None) -> None:
         """Forget the target. The body holds zero velocity beside this."""
@@ -223,7 +224,7 @@ class VelocityPublisher:
 
 
 class GoalTopicBackend:
-    """Sends the target on ``goal_pose`` to whoever listens there, e.g. Nav2's bt_navigator."""
+    """Sends the target on ``goal_pose`` to its subscribers, e.g. Nav2's bt_navigator."""
 
     name = "goal_pose"
     waiting = False
@@ -277,9 +278,10 @@ class GoalTopicBackend:
         self._sent = False
 
     def recall(self, estimate: PoseEstimate | None) -> None:
-        """Make what drives there forget its goal, whoever sent it.
+        """Make the driving node forget its goal, whoever sent it.
 
-        A topic knows no cancel. Without the action's, the goal becomes where the robot is.
+        A topic has no cancel. If the action has none either, the goal becomes the robot's own
+        place.
         """
         if self._cancel_all() or estimate is None:
             return
@@ -289,7 +291,7 @@ class GoalTopicBackend:
             )
 
     def _send_once(self, estimate: PoseEstimate) -> bool:
-        """Send it as soon as somebody is matched, since nobody hears what was sent before."""
+        """Send it as soon as there is a subscriber, since an earlier message would be lost."""
         if not self._sent and self._publisher.get_subscription_count() > 0:
             self._publish(self._target, estimate)
             self._sent = True

@@ -26,15 +26,15 @@ from edgevox.ros2.standard_topics import NAV2_ACTION as ACTION
 log = get_logger(__name__)
 
 ANSWER_S = 5.0
-"""So long the server may take to accept a goal."""
+"""Seconds that the server may take to accept a goal."""
 LONGEST_WAY_M = 1e6
-"""What is further, or no number, is no way that is left."""
+"""A remaining distance beyond this, or no number, is ignored."""
 LOST_S = 1.0
 """An answer to a cancel that takes longer is lost."""
 
 
 class Nav2Cancel:
-    """Cancels every goal of the ``navigate_to_pose`` action, whoever sent it and by which way."""
+    """Cancels every goal of the ``navigate_to_pose`` action, of any sender."""
 
     def __init__(self, node: Node, clock: Clock) -> None:
         self._clock = clock
@@ -44,7 +44,7 @@ class Nav2Cancel:
 
     @property
     def pending(self) -> bool:
-        """Whether a request is on its way, which would hit a goal that is sent now."""
+        """Whether a cancel request is on its way, which would hit a goal that is sent now."""
         if self._answer is None or self._answer.done():
             return False
         return self._clock.now() - self._asked_s < LOST_S
@@ -128,7 +128,7 @@ class Nav2Action:
 
 
 class _Nav2Run:
-    """One goal of the action; its callbacks come on the executor's thread."""
+    """A goal of the action; its callbacks come on the executor's thread."""
 
     def __init__(self) -> None:
         self.id = list(uuid4().bytes)

@@ -1,7 +1,4 @@
-"""One drive to a target: watched from its start to its end, for whatever reason it ends.
-
-Whether a drive may go on by what is heard of where the robot is.
-"""
+"""A drive to a target, from start to end, and the check of localisation that guards it."""
 
 from typing import Any
 
@@ -18,10 +15,10 @@ log = get_logger(__name__)
 
 
 class LocalisationCheck:
-    """Made when a drive begins, and looked at whenever it goes on.
+    """Watches localisation during a drive; created when the drive begins.
 
-    Odometry runs smoothly; localisation may correct it by some metres. What jumps further ends the
-    drive, and is where the robot is for the next one.
+    Odometry runs smoothly; localisation may correct it by some metres. A larger jump ends the
+    drive; the next drive starts from the new pose.
     """
 
     def __init__(self, senses: SensorInputs, estimate: PoseEstimate) -> None:
@@ -91,7 +88,7 @@ class ExternalNavigation(Motion):
             self._watch.look(now_s, estimate.pose, self._left_m, waiting=self.backend.waiting)
 
     def progress(self) -> Progress:
-        """How far it is."""
+        """Return the progress of the drive."""
         part = 1.0 - self._left_m / self._whole_m
         return Progress(min(max(part, 0.0), 1.0), self._left_m, "m")
 
@@ -118,10 +115,10 @@ class ProgressWatch:
         self._last_s = now_s + patience.first_s + left_m / patience.slowest_m_s
 
     def look(self, now_s: float, pose: Pose2D, left_m: float, *, waiting: bool = False) -> None:
-        """Raises `SkillFailed` when patience is over.
+        """Raise `SkillFailed` when patience is over.
 
-        While a robot is `waiting` patience rests, and is not new afterwards: who waits and turns by
-        turns would never end.
+        While a robot is `waiting` patience rests, and is not renewed afterwards: else a robot that
+        waits and turns by turns would never end.
         """
         if waiting:
             self._rest(now_s - self._looked_s)

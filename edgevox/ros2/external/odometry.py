@@ -1,4 +1,4 @@
-"""What was heard of a robot's odometry: where it is, whether it is silent, whether it stands."""
+"""The history of a robot's odometry: its pose, and whether it is silent or stands."""
 
 import threading
 from collections import deque
@@ -13,7 +13,7 @@ from edgevox.ros2.stamps import NS_PER_S
 SILENT_S = 1.0
 """Odometry that is older than this is no position."""
 STANDING_FOR_S = 0.3
-"""So long a robot must be seen not to move before it is said to stand."""
+"""Seconds without motion after which a robot stands."""
 _STILL_M_S, _STILL_RAD_S = 0.02, 0.05
 _SHIFT_M, _SHIFT_RAD = 0.01, 0.02
 _KEPT = 64
@@ -21,27 +21,29 @@ _KEPT = 64
 
 @dataclass(frozen=True, slots=True)
 class OdometrySample:
-    """One message of odometry. `heard_s` is by our clock, `stamp_ns` by the robot's."""
+    """An odometry message."""
 
     pose: Pose2D
     twist: Twist2D
     frame: str
     child_frame: str
     stamp_ns: int
+    """The robot's time, in nanoseconds."""
     heard_s: float
+    """EdgeVox's clock at arrival, in seconds."""
 
     @property
     def still(self) -> bool:
-        """Whether it says that the robot does not move."""
+        """Whether it reports no motion."""
         twist = self.twist
         return abs(twist.linear_m_s) < _STILL_M_S and abs(twist.angular_rad_s) < _STILL_RAD_S
 
 
 @dataclass(frozen=True, slots=True)
 class OdometryDoubt:
-    """Odometry that a robot which drives must not go on by: the newest of so many.
+    """A fault of the odometry, after which a drive must not go on: the newest, with its number.
 
-    `jump` is how far it jumped; None for what no robot's odometry can say.
+    `jump` is the jump; None for an impossible value.
     """
 
     number: int
@@ -50,9 +52,9 @@ class OdometryDoubt:
 
 
 class OdometryHistory:
-    """The last ones. Thread-safe. What is faster than `speeds` is a jump.
+    """The latest odometry. Thread-safe. Motion faster than `speeds` is a jump.
 
-    `refused` counts those that cannot be true.
+    `refused` counts implausible messages.
     """
 
     def __init__(self, clock: Clock, speeds: Speeds | None = None) -> None:
@@ -65,9 +67,9 @@ class OdometryHistory:
         self.refused = 0
 
     def add(self, sample: OdometrySample) -> bool:
-        """Take one in; False, and forgotten, if it cannot be true.
+        """Take a sample in; False, and forgotten, if it is implausible.
 
-        One that jumped is where the robot is from now on.
+        A sample after a jump is the robot's pose from now on.
         """
         with self._lock:
             if not (on_the_map(sample.pose) and drivable(sample.twist)):
@@ -84,13 +86,13 @@ class OdometryHistory:
 
     @property
     def doubt(self) -> OdometryDoubt | None:
-        """The newest; what was heard since then may be good again."""
+        """The newest fault; later samples may be good again."""
         with self._lock:
             return self._doubt
 
     @property
     def absurd(self) -> bool:
-        """Whether what is heard now cannot be true."""
+        """Whether the current odometry is implausible."""
         with self._lock:
             doubt, lies = self._doubt, self._lies
         return bool(lies and doubt and self._clock.now() - doubt.heard_s <= SILENT_S)
@@ -106,11 +108,11 @@ class OdometryHistory:
         return newest if newest and self.age_s(newest) <= SILENT_S else None
 
     def age_s(self, sample: OdometrySample) -> float:
-        """How long ago it was heard."""
+        """Return the sample's age in seconds."""
         return self._clock.now() - sample.heard_s
 
     def still(self) -> bool:
-        """Whether the robot is not seen to move; a silent one is not seen."""
+        """Return whether no motion is seen; a silent robot shows none."""
         seen = self.fresh()
         return seen is None or seen.still
 
@@ -128,9 +130,9 @@ class OdometryHistory:
         return self._speeds.jump(last.pose, sample.pose, seconds)
 
     def stands(self, since_s: float) -> bool:
-        """Whether the robot was seen to stand at the end of what was heard since then.
+        """Return whether the robot stood at the end of the samples since then.
 
-        Looks at the pose too, for robots that do not fill in their velocity.
+        Compares poses too, for robots that do not fill in their velocity.
         """
         with self._lock:
             recent = [one for one in self._heard if one.heard_s >= since_s]

@@ -44,17 +44,17 @@ _WORLD = Bounds.around(MAP, FURTHEST_M)
 
 
 class ExternalRobot:
-    """A body that lives in other processes: it is heard on topics and driven over them.
+    """A body in other processes: it is heard on topics and driven over them.
 
-    Its poses, goals and locations are in the map frame where /tf has one, else in that of its
-    odometry. A drive is a goal of Nav2's action or a `goal_pose` where anything there takes one,
-    and is steered by `cmd_vel` where nothing does; that is decided once, when it starts. Every
-    method may be called from any thread; only `drive_to`, the skill `stop` and `close` block.
+    Poses, goals and locations are in the map frame if /tf has one, else in the odometry's frame.
+    When a drive starts, it chooses its way once: Nav2's action or `goal_pose` if a node takes one,
+    else `cmd_vel`. Every method may be called from any thread; only `drive_to`, the skill `stop`
+    and `close` block.
     """
 
     name = "robot-external"
     about = ""
-    """What it is called and what it is for, if its file says so."""
+    """Its name and purpose, if its robot file gives them."""
     own_policy: Path | Policy | None = None
     """The policy that its file names or holds, for where no setting names one."""
 
@@ -84,7 +84,7 @@ class ExternalRobot:
         self.place_memory = PlaceMemory(namespace, known)
         self._described = described
         self.ros = AgentNodeHandle(self._clock)
-        """Its node, for skills."""
+        """Access to its node, for skills."""
         own = navigation_skills(
             self, aliases=aliases, word=LOCATION, memory=self.place_memory, names=names
         )
@@ -108,13 +108,13 @@ class ExternalRobot:
 
     @property
     def stalled_s(self) -> float:
-        """For how long nothing it hears is taken in, nor a velocity sent."""
+        """Seconds for which it has neither taken in messages nor sent a velocity."""
         robot_node = self._robot_node
         return robot_node.stalled_s if robot_node else 0.0
 
     @property
     def fault(self) -> str:
-        """Why it can neither be driven nor asked where it is; empty if its odometry is heard."""
+        """The reason why it can neither be driven nor located; empty if its odometry is heard."""
         robot_node = self._robot_node
         if robot_node is None:
             return ""
@@ -129,7 +129,7 @@ class ExternalRobot:
 
     @property
     def refusals(self) -> Mapping[tuple[str, ...], int]:
-        """How many of the robot's messages could not be true, by topic and reason."""
+        """The number of the robot's implausible messages, by topic and reason."""
         return self._robot_node.senses.refusals if self._robot_node else {}
 
     @property
@@ -185,7 +185,7 @@ class ExternalRobot:
         self.halt(str(called_off("reset")))
 
     def pose(self) -> Pose2D:
-        """Where it is. Raises `SkillFailed` while its odometry is silent."""
+        """Return its pose. Raises `SkillFailed` while its odometry is silent."""
         return self._estimate().pose
 
     def located(self) -> tuple[Pose2D, str]:
@@ -197,7 +197,10 @@ class ExternalRobot:
         return self._estimate().twist
 
     def state(self) -> Mapping[str, Any]:
-        """As every body's; `pose` and `velocity` are None while the odometry is silent."""
+        """Return its state, as every body does.
+
+        `pose` and `velocity` are None while odometry is silent.
+        """
         robot_node = self._robot_node
         seen = robot_node.senses.odometry_history.newest() if robot_node else None
         estimate = (
@@ -222,12 +225,12 @@ class ExternalRobot:
         }
 
     def newest_picture(self) -> NDArray[np.uint8] | None:
-        """Of its camera. See `ReceivesPictures`."""
+        """Return its camera's picture. See `ReceivesPictures`."""
         robot_node = self._robot_node
         return robot_node.senses.camera.pixels() if robot_node else None
 
     def newest_map(self) -> OccupancyMap | None:
-        """Of its surroundings. See `ReceivesMap`."""
+        """Return the map of its surroundings. See `ReceivesMap`."""
         robot_node = self._robot_node
         return robot_node.senses.newest_map() if robot_node else None
 
@@ -285,7 +288,7 @@ class ExternalRobot:
         return {"was_moving": moved}
 
     def _stand(self, robot_node: RobotNode, reason: str) -> tuple[bool, ZeroVelocity]:
-        """Whether the robot moved or drove, and the hold that it is under now."""
+        """Stop; return whether the robot moved or drove, and the hold that it is under now."""
         with self._lock:
             self._stops += 1
             moving = not robot_node.senses.odometry_history.still()

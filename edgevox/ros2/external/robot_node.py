@@ -39,7 +39,7 @@ _LOOK_AGAIN_S = 0.05
 
 
 class RobotNode:
-    """Joins the graph in the robot's namespace, with a context and a thread of its own.
+    """The node that drives a robot: in the robot's namespace, with its own context and thread.
 
     `lock` guards what the robot is asked for; the tick holds it, and never blocks under it.
     """
@@ -97,14 +97,14 @@ class RobotNode:
 
     @property
     def stalled_s(self) -> float:
-        """As the node's."""
+        """Seconds for which a callback has held up all others."""
         return self._ros.stalled_s
 
     def choose(self, token: CancelToken) -> MotionBackend:
-        """How to drive now: by what takes goals, and only where nothing does, by steering.
+        """Choose how to drive now: by goals, or by steering if no node takes goals.
 
-        What the graph shows counts. Just after the start, when the robot may not be discovered
-        yet, this waits until it is, or until that has taken long enough. Raises `Cancelled`.
+        The graph decides. Just after the start, the robot may not be discovered yet; this waits
+        until it is, or until discovery has taken long enough. Raises `Cancelled`.
         """
         self._wait(token, lambda: not self._cancel.pending, self._clock.now() + LOST_S)
         self._wait(
@@ -140,7 +140,10 @@ class RobotNode:
 
 
 def _speeds(limits: SteeringLimits) -> Speeds:
-    """What no robot with these limits exceeds, with much to spare: others may drive it, too."""
+    """Return speeds that no robot with these limits exceeds.
+
+    Generous, since others may drive it.
+    """
     return Speeds(
         max(SPEED_M_S, 2 * limits.max_linear_m_s), max(SPEED_RAD_S, 2 * limits.max_angular_rad_s)
     )

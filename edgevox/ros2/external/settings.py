@@ -1,7 +1,4 @@
-"""How a robot is driven: limits, and how long to be patient with it.
-
-What a robot can be believed: numbers within bounds, and no further than it can have come.
-"""
+"""Settings for driving a robot: limits, patience, and the bounds of plausible data."""
 
 import math
 from dataclasses import dataclass, field
@@ -16,18 +13,18 @@ FURTHEST_M = 10_000.0
 FASTEST_M_S, FASTEST_RAD_S = 50.0, 50.0
 """No robot that is spoken to says that it is faster."""
 SPEED_M_S, SPEED_RAD_S = 5.0, 2 * math.pi
-"""Nothing is called a jump that is slower, whatever the robot's own limits are."""
+"""Motion up to this speed is never a jump, whatever the robot's own limits are."""
 SLACK_M, SLACK_RAD = 0.5, 1.0
-"""So much odometry may be off by between two messages, without being called a jump."""
+"""The error of odometry between two messages that is not a jump."""
 MOST_CORRECTION_M = 10.0
-"""By so much localisation may correct a robot's place on the map while it drives."""
+"""The most by which localisation may correct a robot's place while it drives."""
 _MOST_STAMPED_S = 1.0
 _MOST_BEAMS = 100_000
 
 
 @dataclass(frozen=True, slots=True)
 class Jump:
-    """How far apart two poses are that follow each other."""
+    """The distance and turn between two poses that follow each other."""
 
     distance_m: float
     turned_rad: float
@@ -38,20 +35,20 @@ class Jump:
 
     @property
     def reason(self) -> Reason:
-        """Why nobody drives on after it."""
+        """The reason to end the drive after it."""
         degrees = math.degrees(self.turned_rad)
         return because("jumped", distance=f"{self.distance_m:.1f}", degrees=f"{degrees:.0f}")
 
 
 @dataclass(frozen=True, slots=True)
 class Speeds:
-    """What is faster than this did not drive there."""
+    """Top speeds: faster motion is a jump and no drive."""
 
     linear_m_s: float = SPEED_M_S
     angular_rad_s: float = SPEED_RAD_S
 
     def jump(self, one: Pose2D, other: Pose2D, seconds: float) -> Jump | None:
-        """How far it went in this time, if that is further than it can have driven."""
+        """Return the jump between two poses, if it is larger than a drive in this time."""
         jump = Jump.between(one, other)
         far = jump.distance_m > SLACK_M + self.linear_m_s * seconds
         round_ = jump.turned_rad > SLACK_RAD + self.angular_rad_s * seconds
@@ -59,20 +56,20 @@ class Speeds:
 
 
 def seconds_between(heard_s: float, stamped_s: float) -> float:
-    """The time between two messages: what comes in a burst was not sent in one.
+    """Return the time between two messages: a burst of messages was not sent in one moment.
 
-    Stamps are the robot's word, and so they count for a second at most.
+    Stamps come from the robot, and count for a second at most.
     """
     return max(heard_s, min(stamped_s, _MOST_STAMPED_S), 0.0)
 
 
 def on_the_map(pose: Pose2D) -> bool:
-    """Whether a robot can be there."""
+    """Return whether a robot can be there."""
     return pose.finite and max(abs(pose.x_m), abs(pose.y_m)) <= FURTHEST_M
 
 
 def drivable(twist: Twist2D) -> bool:
-    """Whether a robot can move so."""
+    """Return whether a robot can move so."""
     linear, angular = abs(twist.linear_m_s), abs(twist.angular_rad_s)
     return twist.finite and linear <= FASTEST_M_S and angular <= FASTEST_RAD_S
 
@@ -80,9 +77,9 @@ def drivable(twist: Twist2D) -> bool:
 def sweeps(
     beams: int, angle_min_rad: float, increment_rad: float, near_m: float, far_m: float
 ) -> bool:
-    """Whether a lidar can have swept so: from an angle in steps, seeing from near to far.
+    """Return whether a lidar can have made such a sweep.
 
-    One that could not have seen anything does not say that nothing is there.
+    A lidar that could see nothing does not prove that the way is clear.
     """
     angles = (angle_min_rad, increment_rad, increment_rad * beams)
     fits = all(abs(angle) <= 2 * math.tau for angle in angles)  # which no NaN is
@@ -91,7 +88,7 @@ def sweeps(
 
 @dataclass(frozen=True, slots=True)
 class SteeringLimits:
-    """How it is steered where nothing there takes goals."""
+    """Limits for steering, where no node takes goals."""
 
     max_linear_m_s: float = 0.3
     max_angular_rad_s: float = 0.8
@@ -100,12 +97,15 @@ class SteeringLimits:
     stop_ahead_m: float = 0.5
     """Something this near ahead of the robot's middle makes it wait."""
     wait_s: float = 10.0
-    """So long it waits for what is in its way to go."""
+    """Seconds to wait for an obstacle to go."""
 
 
 @dataclass(frozen=True, slots=True)
 class Patience:
-    """How long a drive may go on without moving, without coming nearer, and at all."""
+    """Seconds that a drive may go on without moving, and without coming nearer.
+
+    Its slowest pace.
+    """
 
     unmoved_s: float
     no_nearer_s: float
@@ -116,15 +116,15 @@ class Patience:
 
 @dataclass(frozen=True, slots=True)
 class ExternalSettings:
-    """What `ExternalRobot` needs to know besides its namespace and its locations."""
+    """Settings of `ExternalRobot` besides its namespace and locations."""
 
     steering: SteeringLimits = field(default_factory=SteeringLimits)
     steering_patience: Patience = Patience(unmoved_s=5.0, no_nearer_s=20.0)
     # What plans by itself may think, take a detour and recover.
     goal_patience: Patience = Patience(unmoved_s=15.0, no_nearer_s=60.0, first_s=600.0)
     discovery_s: float = 3.0
-    """So long after the start the robot may take to be discovered."""
+    """Seconds after the start in which the robot may still be undiscovered."""
     remappings: tuple[str, ...] = ()
     """ROS arguments that give the contract's topics the names that the robot has."""
     obey_s: float = 5.0
-    """So long a halted robot may take to stand."""
+    """Seconds that a halted robot may take to stand."""

@@ -15,14 +15,14 @@ from edgevox.ros2.stamps import NS_PER_S
 
 
 class StationaryRobot:
-    """A body that has neither pose nor velocity, and so no topic of the contract.
+    """A body without pose or velocity, such as an arm, and so without topics of the contract.
 
-    Its node has only what its skills need. All that moves it is a goal, which every stop ends.
+    Its node has only the interfaces of its skills. It moves only by goals, which every stop ends.
     """
 
     name = "robot-external"
     about = ""
-    """What it is called and what it is for, if its file says so."""
+    """Its name and purpose, if its robot file gives them."""
     own_policy: Path | Policy | None = None
     """The policy that its file names or holds, for where no setting names one."""
 
@@ -33,7 +33,7 @@ class StationaryRobot:
         self._clock = clock or SystemClock()
         self._node: RosNode | None = None
         self.ros = AgentNodeHandle(self._clock)
-        """Its node, for skills."""
+        """Access to its node, for skills."""
         self._skills = (_stop(), *(one.skill() for one in described))
 
     @property
@@ -42,13 +42,13 @@ class StationaryRobot:
 
     @property
     def time_s(self) -> float:
-        """That of its node, which is the robot's where it follows /clock; 0 while it is off."""
+        """The time of its node, which is the robot's if it follows /clock; 0 while it is off."""
         node = self._node
         return node.node.get_clock().now().nanoseconds / NS_PER_S if node else 0.0
 
     @property
     def stalled_s(self) -> float:
-        """For how long nothing that it hears is taken in."""
+        """Seconds for which it has taken in no messages."""
         node = self._node
         return node.stalled_s if node else 0.0
 
@@ -71,11 +71,11 @@ class StationaryRobot:
         node.close()
 
     def state(self) -> Mapping[str, Any]:
-        """Its name and its time: it is nowhere, and goes nowhere."""
+        """Return its name and its time; it has no pose."""
         return {"name": self.name, "time": round(self.time_s, 3)}
 
     def halt(self, reason: str) -> bool:  # noqa: ARG002 - every body is told why
-        """Nothing moves but by its skills, whose goals end by themselves."""
+        """Return False: it moves only by its skills, whose goals end by themselves."""
         return False
 
     def reset(self) -> None:

@@ -23,7 +23,7 @@ from edgevox.ros2.tf_buffer import FramePose
 from edgevox.ros2.ticker import Ticker
 
 _OPTICAL = Pose3D(0.0, 0.0, 0.0, -0.5, 0.5, -0.5, 0.5)
-"""From x forward, z up, to z forward, x right."""
+"""The rotation from x forward, z up, to z forward, x right."""
 
 
 class Camera:
@@ -48,11 +48,11 @@ class Camera:
 
     @property
     def failures(self) -> int:
-        """How many pictures could not be taken."""
+        """The number of pictures that could not be taken."""
         return self._ticker.failures
 
     def links(self) -> list[FramePose]:
-        """Where the camera sits, and its optical frame."""
+        """Return the poses of the camera and of its optical frame."""
         names = self._frames
         parent = {"map": names.map, "body": names.base, "end_effector": names.hand}
         return [

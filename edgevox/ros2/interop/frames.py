@@ -1,16 +1,14 @@
-"""The names of the frames, REP 105.
+"""The frames of a robot, by REP 105: their names, their transforms, and the odometry frame.
 
-`map` is shared by all robots of a domain, so it has no prefix; every frame that belongs to one
-robot has: with ``robot1/``, `robot1/odom`, `robot1/base_link`, and so on. This is what Nav2's
-examples of several robots with one map and robot_state_publisher's `frame_prefix` do.
+`map` is shared by all robots of a domain, so it has no prefix; every frame of one robot has: with
+``robot1/``, `robot1/odom`, `robot1/base_link`, and so on. Nav2's examples of several robots with
+one map and robot_state_publisher's `frame_prefix` do the same.
 
 Transforms go out on `/tf` and `/tf_static`, names that all robots of a domain share.
 
-Where the odometry frame is on the map.
-
-REP 105 wants two things of it: a pose in `odom` never jumps, and `map -> odom -> base_link` is the
-pose on the map. The body knows its true pose, so `odom` is where the robot was at the start and
-stays there, until somebody puts the robot elsewhere (a reset): then `odom` moves with it.
+REP 105 demands two things of the odometry frame: a pose in `odom` never jumps, and `map -> odom ->
+base_link` is the pose on the map. The body knows its true pose, so `odom` is the robot's pose at
+the start and stays there, until the robot is put elsewhere (a reset): then `odom` moves with it.
 """
 
 from collections.abc import Sequence
@@ -48,12 +46,12 @@ class Broadcaster:
         self._publisher = StampedPublisher(node, TFMessage, "/tf")
 
     def send(self, placed: Sequence[FramePose], stamp_ns: int) -> None:
-        """Where things are at this stamp."""
+        """Publish the poses of the frames at this stamp."""
         self._publisher.say(placed, lambda stamp: _message(placed, stamp), stamp_ns)
 
 
 def broadcast_fixed(node: Node, placed: Sequence[FramePose]) -> None:
-    """Publish what never moves, for everybody who joins, now and later; call it once."""
+    """Publish fixed transforms, for present and late subscribers; call it once."""
     node.create_publisher(TFMessage, "/tf_static", profile(STANDARD["/tf_static"].qos)).publish(
         _message(placed, Time())
     )
@@ -68,7 +66,7 @@ def _message(placed: Sequence[FramePose], stamp: Time) -> TFMessage:
 _SLACK_M = 0.05
 _SLACK_RAD = 0.2
 _HURRY = 2.0
-"""A step so many times as large as the body's speed allows is no motion."""
+"""A step this many times as large as the body's speed allows is no motion."""
 
 
 class Odometer:
@@ -129,5 +127,5 @@ class Frames:
         self._prefix = prefix
 
     def names_of(self, frame: str) -> tuple[str, ...]:
-        """What a peer may have meant by a frame: itself, or this robot's frame of that name."""
+        """Return the frames that a peer may mean: this name, or this robot's frame of that name."""
         return (frame, f"{self._prefix}{frame}") if frame != MAP else (frame,)

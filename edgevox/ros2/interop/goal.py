@@ -42,14 +42,16 @@ def goal_skill(body: Body) -> str | None:
 
 
 class GoalInput:
-    """Turns goals into points on the map and asks for the skill.
+    """Turns goals into points on the map and runs the skill.
 
-    A goal may be given in `map` or in a frame of this robot, with or without its prefix, and then
-    means where that frame was at the goal's stamp (0 is now). Its orientation is not used, and on
-    the floor neither is its height. `refusals` counts by reason those in another frame, without
-    one, of a time that is not remembered, with numbers that are not finite or an orientation that
-    is none, which the skill refuses, such as outside the world, or the policy; each is logged with
-    its reason.
+    A goal may be given in `map` or in a frame of this robot, with or without its prefix; it then
+    means the frame's place at the goal's stamp (0 is now). Its orientation is not used, and on the
+    floor its height is not, either.
+
+    `refusals` counts refused goals by reason: no frame, or another robot's; a time that is not
+    remembered; numbers that are not finite; an invalid orientation; a goal that the skill refuses,
+    such as one outside the world, or that the policy forbids. Each refusal is logged with its
+    reason.
     """
 
     def __init__(
@@ -97,7 +99,7 @@ class GoalInput:
 
 
 def on_map(tf_buffer: TfBuffer, frames: Frames, frame: str, stamp_ns: int) -> Pose3D:
-    """Where a frame, by its name with or without prefix, was at a stamp; 0 is now.
+    """Return the pose of a frame, with or without prefix, at a stamp; 0 is now.
 
     Raises `InvalidValue` if that is not known.
     """

@@ -1,4 +1,4 @@
-"""Puts together what one body offers to ROS 2."""
+"""The interface of one body to ROS 2, put together from its parts."""
 
 from collections.abc import Callable, Mapping
 
@@ -38,11 +38,20 @@ _TICKS_PER_SCAN = round(TF_HZ / SCAN_HZ)
 class Interop:
     """Offers on a node exactly what a body's capabilities allow, until `close`.
 
-    `run_skill` asks for a skill and must not block; orders wait in the `backlog`. `ticker`, not yet
-    started, gives the rates; the camera has one of its own, which `tickers` makes. `odom_frame` and
-    `frame_prefix` are explained in `frames`, `publish_clock` in `stamps`. Raises `InvalidValue` for
-    a frame that cannot be. While the `interlock` is engaged no velocity but zero is taken; the
-    `guard` is asked of each.
+    Args:
+        node: The node to serve on.
+        body: The robot.
+        run_skill: Runs a skill; must not block.
+        ticker: Sets the rates; not started yet.
+        backlog: Holds incoming orders.
+        odom_frame: See `Frames`.
+        frame_prefix: See `Frames`.
+        publish_clock: See `Stamps`.
+        interlock: While engaged, no velocity but zero is taken.
+        guard: The policy for each velocity.
+        tickers: Makes the camera's own ticker.
+
+    Raises `InvalidValue` for an invalid frame.
     """
 
     def __init__(
@@ -81,7 +90,7 @@ class Interop:
             self._camera.start()
 
     def close(self) -> None:
-        """Nothing more in or out; call it before the node and the body are closed."""
+        """End all input and output, before the node and the body are closed."""
         for forget in self._forget:
             forget()
         for part in (self._velocity, self._goal, self._camera):
@@ -90,7 +99,7 @@ class Interop:
 
     @property
     def refusals(self) -> Mapping[tuple[str, ...], int]:
-        """How many messages were refused, by topic and reason; only topics that this body has."""
+        """The number of refused messages, by topic and reason; only topics that this body has."""
         parts = {"cmd_vel": self._velocity, "goal_pose": self._goal}
         return {
             (topic, reason): count
@@ -101,11 +110,11 @@ class Interop:
 
     @property
     def failed_images(self) -> int:
-        """How many pictures could not be taken."""
+        """The number of pictures that could not be taken."""
         return self._camera.failures if self._camera else 0
 
     def _tick(self) -> None:
-        """One job serves both rates, so a scan and its transform have one stamp, or nearly."""
+        """Serve both rates in one job, so that a scan and its transform nearly share a stamp."""
         self._ticks += 1
         try:
             if self._motion:

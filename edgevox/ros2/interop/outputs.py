@@ -1,10 +1,7 @@
-"""How the body moves: one sample, one stamp, and everything that is made of it.
+"""The body's outputs: motion (`/tf`, `pose`, `odom`), `scan` and `/clock`.
 
-`/tf`, `pose` and `odom` of one tick carry the same pose and the same stamp.
-
-The lidar's sweeps go out on `scan`.
-
-The body's time goes out on `/clock`, for peers with `use_sim_time`.
+`/tf`, `pose` and `odom` of one tick carry the same pose and the same stamp. `/clock` carries the
+body's time, for peers with `use_sim_time`.
 """
 
 from array import array
@@ -48,7 +45,7 @@ class Scanner:
         self._publisher = node.create_publisher(LaserScan, "scan", profile(STANDARD["scan"].qos))
 
     def links(self) -> list[FramePose]:
-        """Where the lidar sits on the body."""
+        """Return the pose of the lidar on the body."""
         return [FramePose(self._frames.base, self._frames.lidar, lift(self._body.scan().mount))]
 
     def tick(self) -> None:
@@ -96,7 +93,7 @@ class ClockPublisher:
 _FASTEST_M_S, _FASTEST_RAD_S = 2.0, 4.0
 """Limits of a body that does not say its own."""
 _EXACT = np.diag(np.full(6, 1e-6)).ravel()
-"""Covariance of what a simulation knows; all zeros would mean that it is not known."""
+"""The covariance of a simulation's values; all zeros would mean that it is unknown."""
 
 
 class MotionPublisher:
@@ -125,7 +122,7 @@ class MotionPublisher:
         self._last_ns: int | None = None
 
     def tick(self) -> None:
-        """Look at the body once and say what was seen; nothing if no time has passed since."""
+        """Look at the body once and publish its motion; do nothing if no time has passed since."""
         time_s, base, twist, hand = self._sample()
         stamp_ns = self._stamps.nanoseconds(time_s)
         if stamp_ns is None or stamp_ns == self._last_ns:
@@ -143,7 +140,7 @@ class MotionPublisher:
         self._say_pose(base or hand, stamp_ns)
 
     def _sample(self) -> tuple[float, Pose3D | None, Twist2D | None, Pose3D | None]:
-        """Everything at one moment of the body's time, as far as it stands still for it."""
+        """Sample everything at one moment of the body's time, as far as possible."""
         for _ in range(3):
             time_s = self._body.time_s
             base = self._lift(self._base.pose()) if self._base else None

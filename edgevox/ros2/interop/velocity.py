@@ -1,9 +1,9 @@
-"""Velocities come in on `cmd_vel`.
+"""The velocity input: `cmd_vel`.
 
-Any message takes over, as with twist_mux, also one that says zero: it ends a drive, whose goal ends
-as cancelled. To stop is the last thing that may be ignored, and whoever sends zeros all the time,
-like a joystick without a dead man's switch, holds the robot: it should send only while somebody
-steers. The body halts 0.5 s after the last message.
+Any message takes over, as with twist_mux, even one that says zero: it ends a drive, whose goal ends
+as cancelled. A stop must never be ignored. A sender of constant zeros, like a joystick without a
+dead man's switch, therefore holds the robot: it should send only while a person steers. The body
+halts 0.5 s after the last message.
 """
 
 import math
@@ -27,11 +27,11 @@ log = get_logger(__name__)
 class VelocityInput:
     """Hands velocities to the body: `linear.x` and `angular.z`, the two it can follow.
 
-    `refusals` counts by reason messages that held a NaN or an infinity, or any motion while the
-    `interlock` is engaged, after a stop has ended the stream and before it pauses, or that the
-    policy forbids: none of their numbers is used, and the body's watchdog runs on. What is faster
-    than the policy permits is slowed, both numbers by the same factor; what is beyond the body's
-    limits the body clamps.
+    `refusals` counts refused messages by reason: a NaN or an infinity; any motion while the
+    `interlock` is engaged, or after a stop has ended the stream and before the stream pauses; and
+    motion that the policy forbids. Nothing of a refused message is used, and the body's watchdog
+    runs on. Motion faster than the policy permits is slowed, both numbers by the same factor; the
+    body clamps motion beyond its limits.
     """
 
     def __init__(

@@ -17,8 +17,8 @@ _OPTION = "--log-level"
 class LoggerLevels:
     """Serves ``~/get_logger_levels`` and ``~/set_logger_levels``, instead of rclpy.
 
-    A name means the same for both: Python's logger of that name and ROS 2's. The node's own logger,
-    as ``/rosout`` shows it, stands for all of EdgeVox.
+    A name stands for both Python's logger and ROS 2's. The node's own logger, as ``/rosout`` shows
+    it, stands for all of EdgeVox.
     """
 
     def __init__(self, node: Node) -> None:
@@ -73,7 +73,7 @@ class LoggerLevels:
 
 
 def apply_log_levels(ros_args: Sequence[str]) -> None:
-    """What ``--log-level`` says to ROS 2 holds for our loggers, too. Raises nothing: rcl checks."""
+    """Apply ROS 2's ``--log-level`` to EdgeVox's loggers, too. Raises nothing: rcl checks."""
     for name, level in _asked(ros_args):
         if level in LEVELS:
             _set_ours(name, LEVELS[level])

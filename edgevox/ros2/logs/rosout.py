@@ -1,9 +1,8 @@
-"""Our lines on ``/rosout``, where ``rqt_console`` and the like look for them.
+"""EdgeVox's log lines on ``/rosout``, for ``rqt_console`` and the like, and ROS 2's in logging.
 
-What ROS 2's own C and Python code logs goes through Python's logging, as any library's does.
-
-All of it goes through one function pointer of rcutils. Ours passes each line on to logging, and
-then to the one that was there before, which writes to ``/rosout`` and to ROS 2's log file.
+Lines of ROS 2's own C and Python code go through Python's logging, as any library's do. All of them
+pass one function pointer of rcutils. `RcutilsStream` passes each line on to logging, and then to
+the former function, which writes to ``/rosout`` and to ROS 2's log file.
 """
 
 import atexit
@@ -30,7 +29,7 @@ _SEVERITY = {0, 10, 20, 30, 40, 50}
 _MOST_BYTES = 8192
 
 _VA_LIST_BYTES = {"x86_64": 24, "aarch64": 32}
-"""How large a va_list is where one is handed to functions by its address."""
+"""The size of a va_list, on machines that pass it to functions by its address."""
 
 OF_RCUTILS = "_of_rcutils"
 """Marks a record that is on ``/rosout`` already."""
@@ -58,10 +57,10 @@ _ours: set[int] = set()
 
 
 class RcutilsStream:
-    """Takes over ROS 2's lines from `open` to `close`; does nothing where it cannot.
+    """Takes over ROS 2's log lines from `open` to `close`, on machines that allow it.
 
-    It waits for Python's lock on whatever thread logs. ROS 2 logs there without holding locks of
-    its own, but for debug lines of its middleware: so levels are left as they are.
+    It waits for Python's lock on the thread that logs. ROS 2 logs there without holding locks of
+    its own, except for debug lines of its middleware; therefore levels are left as they are.
     """
 
     def __init__(self) -> None:
@@ -84,7 +83,7 @@ class RcutilsStream:
         atexit.register(self.close)  # no thread of the middleware may call into a dead interpreter
 
     def close(self) -> None:
-        """As it was before; call this before ROS 2's context is shut down."""
+        """Restore the former output, before ROS 2's context is shut down."""
         if not self._address:
             return
         if _current() == self._address:
@@ -109,7 +108,7 @@ class RcutilsStream:
         self._before(location, severity, name, stamp_ns, text, arguments)
 
     def _formatted(self, text: bytes | None, arguments: int | None) -> str:
-        """The message; its arguments are copied, since whoever reads them uses them up."""
+        """Return the message; its arguments are copied, since a reader uses them up."""
         if not arguments or not text:
             return (text or b"").decode("utf-8", "replace")
         copy = ctypes.create_string_buffer(ctypes.string_at(arguments, self._size), self._size)
@@ -153,14 +152,14 @@ QOS = QoSProfile(
     durability=DurabilityPolicy.TRANSIENT_LOCAL,
     lifespan=Duration(seconds=LIFESPAN_S),
 )
-"""As ROS 2's own."""
+"""The same as ROS 2's own."""
 PERIOD_S = 0.1
 
 
 class _KeptRecord(NamedTuple):
-    """A record that waits since `since_s`, its text not yet written if it is one of ours.
+    """A record that has waited since `since_s`; one of EdgeVox's own is not formatted yet.
 
-    What could keep others' things alive, such as a traceback its frames, is written at once.
+    A record that could keep objects alive, such as a traceback its frames, is formatted at once.
     """
 
     since_s: float
@@ -168,12 +167,12 @@ class _KeptRecord(NamedTuple):
 
 
 class Rosout(logging.Handler):
-    """Publishes every line that our loggers show, but for what ROS 2 has published itself.
+    """Publishes every line that EdgeVox's loggers show, without lines that ROS 2 has published.
 
-    Who logs only puts the line into a queue, which the ticker's thread empties: no line waits for
-    the middleware, and none comes of a line. While nobody listens, lines wait there as long as the
-    topic would keep them, and no message is made. Of too many, the oldest are dropped. What people
-    say is never in them.
+    Logging only puts the line into a queue, which the ticker's thread empties: logging never waits
+    for the middleware, and causes no line of its own. Without a listener, lines wait there as long
+    as the topic would keep them, and no message is made. Beyond the limit, the oldest lines are
+    dropped. No line holds what people say.
     """
 
     def __init__(self, node: Node, ticker: Ticker, clock: Clock | None = None) -> None:
@@ -193,7 +192,7 @@ class Rosout(logging.Handler):
 
     @property
     def listeners(self) -> int:
-        """How many subscriptions its publisher knows of."""
+        """The number of subscriptions that the publisher knows of."""
         return self._publisher.get_subscription_count()
 
     def close(self) -> None:

@@ -1,15 +1,13 @@
 """The topics `presence` and `take_over`, and the interlock that follows from them.
 
-Who is here, and who is in charge: the same answer in every process that hears the same claims.
+Every process that hears the same claims gives the same answer: the agents present, and the one in
+charge. The rule: the agent that was told to take over last, else the one that has been here alone,
+else the one that started first. So the later one waits, and the clocks of two machines need not
+agree, unless both start within seconds of each other; then one of them is in charge all the same,
+and only one.
 
-The rule: whoever was told to take over last, else who has been here alone, else who started first.
-So the later one waits, and the clocks of two machines need not agree, unless both start within
-seconds of each other; then one of them is in charge all the same, and only one.
-
-Time is counted in own words that came back over the wire, once a second: whoever is frozen, or
-whose executor is held up, counts nothing, and takes nobody for gone whom it did not listen to.
-
-What an agent says of itself on `presence`.
+Time is counted in an agent's own messages that came back over the wire, once a second: an agent
+that is frozen, or whose executor is held up, counts nothing, and takes no other agent for gone.
 """
 
 import os
@@ -47,24 +45,24 @@ Name = Annotated[str, Field(max_length=255)]
 
 @checked(frozen=True, config=ConfigDict(strict=True, extra="ignore"))
 class Claim:
-    """An agent, and how good its claim to move the robot is.
-
-    `id` is its own for as long as it runs. `robot` is its body, empty if it has none and moves
-    nothing. `term` is 0 just after its start, 1 once it was alone for a while, and one more than
-    any other's when it is told to take over. `since_ns` is its start, by its machine's clock.
-    """
+    """An agent's claim to move the robot."""
 
     id: Annotated[str, Field(pattern="^[0-9a-f]{8}$")]
+    """The agent's own, for as long as it runs."""
     robot: Name
+    """The name of its body; empty if it has none, and moves nothing."""
     host: Name
     pid: int
     since_ns: int
+    """The agent's start, by its machine's clock, in nanoseconds of Unix time."""
     term: Annotated[int, Field(ge=0, le=MOST_TERM)] = 0
+    """0 after the start, 1 once the agent was alone for a while, and one more than any other's
+    when the agent is told to take over."""
     leaving: bool = False
 
     @property
     def rank(self) -> tuple[int, int, str]:
-        """The least of all is in charge: the highest term, then who was there first."""
+        """The sort key; the least is in charge: the highest term, then the earliest start."""
         return (-self.term, self.since_ns, self.id)
 
     def __str__(self) -> str:
@@ -72,7 +70,7 @@ class Claim:
 
 
 def new_claim(robot: str) -> Claim:
-    """That of this process, which has just started."""
+    """Return the claim of this process, which has just started."""
     host = socket.gethostname()[:255]
     return Claim(secrets.token_hex(4), robot[:255], host, os.getpid(), time.time_ns())
 
@@ -89,12 +87,12 @@ _CLAIM = TypeAdapter(Claim)
 
 
 def write_claim(told: ClaimMessage) -> str:
-    """As JSON."""
+    """Write a claim as JSON."""
     return write({**asdict(told.claim), "in_charge": told.in_charge})
 
 
 def read_claim(text: str) -> Claim:
-    """From JSON. Raises `InvalidValue`."""
+    """Read a claim from JSON. Raises `InvalidValue`."""
     if len(text) > MAX_BYTES:
         raise InvalidValue("presence", f"{len(text)} characters", f"at most {MAX_BYTES}")
     try:
@@ -104,9 +102,9 @@ def read_claim(text: str) -> Claim:
 
 
 GONE_BEATS = 4
-"""Who is not heard for so many of our own beats is gone."""
+"""An agent is gone after so many beats of this one without a message."""
 SETTLED_BEATS = 5
-"""Alone for so many is to have been here first: discovery takes 3 s at most."""
+"""Beats alone after which an agent counts as first: discovery takes 3 s at most."""
 MOST_OTHERS = 32
 
 
@@ -121,18 +119,18 @@ class Members:
 
     @property
     def others(self) -> tuple[Claim, ...]:
-        """Those that are here beside this one, the best claim first."""
+        """The other agents' claims, the best first."""
         return tuple(sorted(self._others.values(), key=lambda claim: claim.rank))
 
     @property
     def charge(self) -> Claim | None:
-        """Who moves the robot; None if nobody here has one."""
+        """The claim of the agent that moves the robot; None if no agent has a robot."""
         able = [claim for claim in (self.me, *self.others) if claim.robot]
         return min(able, key=lambda claim: claim.rank, default=None)
 
     @property
     def in_charge(self) -> bool:
-        """Whether this one does."""
+        """Whether this agent is in charge."""
         return self.charge == self.me
 
     def hear(self, claim: Claim) -> None:
@@ -178,10 +176,11 @@ NOT_IN_CHARGE = because("other_agent")
 
 
 class Presence:
-    """Says that this agent is here, hears who else is, and forbids motion if another is in charge.
+    """Publishes this agent's presence, hears the others, and yields to one in charge.
 
-    `robot` is the body's name, empty without one. What arrives is looked at on the executor's
-    thread, and the beat is the ticker's, so that this agent is seen while a callback hangs.
+    While another agent is in charge, the interlock forbids motion. `robot` is the body's name,
+    empty without one. Messages are handled on the executor's thread; the beat is the ticker's, so
+    that this agent is seen even while a callback hangs.
     """
 
     name = ComponentName.PRESENCE
@@ -214,7 +213,7 @@ class Presence:
         self._publisher.publish(String(data=write_claim(gone)))
 
     def status(self) -> Status:
-        """Who shares the namespace, for people."""
+        """Return the status of the shared namespace, for people."""
         others = tuple(str(claim) for claim in self._here.values())
         claim = self._told.claim
         yields = bool(claim.robot) and not self._told.in_charge
@@ -260,7 +259,7 @@ class Presence:
         return ClaimMessage(self._roll.me, self._roll.in_charge)
 
     def _settle(self) -> None:
-        """Let follow what is known now, and say what has changed."""
+        """Apply the present claims, and report the changes."""
         before, self._told = self._told, self._standing()
         was_here, self._here = self._here, {claim.id: claim for claim in self._roll.others}
         self._obey()

@@ -1,9 +1,8 @@
-"""The recorder: a node beside the robot that keeps what is on the contract's topics, as MCAP files.
+"""The recorder: a node beside the robot that stores the contract's topics as MCAP files.
 
-`recorded_topics` says what, `recorder_node` hears it, `write_queue` holds it for a moment,
-`writing` takes it to the disk, `bag`, `mcap_file`, `definitions` and `metadata` are the format;
-`topic_harness` lets a scenario play on a robot that is only known by its topics. Imports core,
-scenario and ros2.
+`recorded_topics` lists the topics, `node` hears them, `disk` queues and writes them, `mcap` and
+`definitions` are the format; `topic_harness` plays a scenario on a robot over its topics. Imports
+core, scenario and ros2.
 """
 
 from edgevox.ros2.recorder.disk import Disk

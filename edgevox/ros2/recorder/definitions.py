@@ -1,7 +1,7 @@
-"""What a message type is made of, as text: its own definition and all that it refers to.
+"""The text of a message type's definition, with all types that it refers to.
 
-Read from the installed interfaces, comments and all, where `rosbags` would write its own text for
-the types that it knows, and bring four packages into the image for it.
+It is read from the installed interfaces, comments and all. `rosbags` would write its own text for
+the types that it knows, and bring four packages into the image.
 """
 
 import importlib.util
@@ -79,7 +79,7 @@ def _file(kind: str, suffix: str) -> Path | None:
 
 
 def _prefixes(package: str) -> Iterator[Path]:
-    """Where the package's module was installed to, then what the environment names."""
+    """Return the module's install prefix, then those in the environment."""
     spec = importlib.util.find_spec(package)
     if spec and spec.origin:
         yield from list(Path(spec.origin).parents)[3:6]  # PREFIX[/local]/lib/pythonX/site-packages

@@ -1,6 +1,6 @@
-"""The thread that takes what was heard to the disk, and gets over a disk that is full.
+"""The thread that writes messages to the disk, and survives a full disk.
 
-What was heard and is not yet written: bounded, and what does not fit in is counted.
+`WriteQueue` holds the unwritten messages: bounded, with a count of those that do not fit in.
 """
 
 import errno
@@ -23,7 +23,7 @@ MOST_BYTES = 64 * 1024 * 1024
 
 
 class WriteQueue:
-    """One thread puts, another takes; neither waits for the other."""
+    """A queue between the receiving and the writing thread; neither waits for the other."""
 
     def __init__(self, most_messages: int = MOST_MESSAGES, most_bytes: int = MOST_BYTES) -> None:
         self._most_messages, self._most_bytes = most_messages, most_bytes
@@ -58,7 +58,7 @@ class WriteQueue:
 
 
 FLUSH_S = 0.4
-"""What is older than this, and a moment, is in the file."""
+"""A message older than this, and a moment, is in the file."""
 RETRY_S = 5.0
 MB = 1_000_000
 FULL = frozenset({errno.ENOSPC, errno.EDQUOT})
@@ -67,23 +67,23 @@ FULL = frozenset({errno.ENOSPC, errno.EDQUOT})
 
 @dataclass(frozen=True)
 class Disk:
-    """Where to, how large a file may become, how much of the disk is left to others.
-
-    With `total_bytes` the recording is `full` once all its files have so many.
-    """
+    """The folder to write to, and the limits on its files."""
 
     folder: Path
     most_bytes: int = 256 * MB
+    """The largest size of one file."""
     spare_bytes: int = 100 * MB
+    """Free space that is left to others."""
     total_bytes: int | None = None
+    """The recording is `full` once all its files have this size; None for no limit."""
 
 
 class Writing:
-    """Writes from `start` to `close`. While the disk takes nothing, messages are dropped.
+    """Writes messages from `start` to `close`. While the disk fails, messages are dropped.
 
-    `fault` says why nothing is written at the moment, and is empty otherwise. It looks every
-    `flush_s` for what came, and `retry_s` after a fault whether it is over. Raises `OSError` where
-    the folder cannot be made.
+    `fault` is the reason why nothing is written at the moment, else empty. The thread looks for
+    messages every `flush_s`, and tries again `retry_s` after a fault. Raises `OSError` if the
+    folder cannot be made.
     """
 
     def __init__(
@@ -109,13 +109,13 @@ class Writing:
         """Set once it has all the bytes that it may have; it goes on until it is closed."""
         self.written = 0
         self._held: list[RecordedMessage] = []
-        """Those that the bag was given and the disk has not taken yet."""
+        """Messages that the bag has, and the disk has not taken yet."""
         self._closing = threading.Event()
         self._thread = threading.Thread(target=self._work, name="edgevox-recording")
 
     @property
     def alive(self) -> bool:
-        """Whether its thread works, unless it was not started yet or was closed."""
+        """Whether its thread runs; also True before it is started and after it is closed."""
         return self._closing.is_set() or self._thread.ident is None or self._thread.is_alive()
 
     def start(self) -> None:
@@ -136,7 +136,7 @@ class Writing:
             self._lose_file()
 
     def _round(self) -> None:
-        """Write what came since the last one, after what could not be written before."""
+        """Write the messages since the last round, after those that could not be written before."""
         messages = self._inbox.take()
         if not (self._may_write() and self._try(self._catch_up)):
             if messages:

@@ -1,12 +1,12 @@
-"""One MCAP file, whole up to its last flush whatever happens to the process or the disk.
+"""MCAP recordings that stay readable up to the last flush, whatever happens to process or disk.
 
-`mcap` makes the bytes and we bring them to the disk, because the writer of `rosbags` (whose reader
-checks our files in the tests) opens the file itself and offers no flush: a process that is killed
-would lose up to a megabyte, a full disk would leave half a record, and nothing would be split.
+`McapFile` is one file. `mcap` makes the bytes and this module brings them to the disk, because the
+writer of `rosbags` (whose reader checks these files in the tests) opens the file itself and offers
+no flush: a killed process would lose up to a megabyte, a full disk would leave half a record, and
+files would not be split.
 
-One recording: a folder of MCAP files that follow each other, as rosbag2 lays them out.
-
-`metadata.yaml`, which tells rosbag2 of the files of a recording.
+`Bag` is a recording: a folder of MCAP files that follow each other, with the `metadata.yaml` of
+rosbag2.
 """
 
 import os
@@ -27,13 +27,13 @@ from edgevox.ros2.recorder.recorded_topics import Recorded
 
 NAME = "metadata.yaml"
 VERSION = 9
-"""Of rosbag2's format; Jazzy's."""
+"""The version of rosbag2's format in Jazzy."""
 _FOR_EVER = {"sec": 9223372036, "nsec": 854775807}
 
 
 @dataclass
 class FileInfo:
-    """What one file holds."""
+    """The contents of one file."""
 
     name: str
     first_ns: int = 0
@@ -42,11 +42,11 @@ class FileInfo:
 
     @property
     def messages(self) -> int:
-        """How many there are in it."""
+        """The number of messages in it."""
         return sum(self.counts.values())
 
     def count(self, topic: Recorded, when_ns: int) -> None:
-        """One more message."""
+        """Add one message."""
         self.first_ns = min(self.first_ns or when_ns, when_ns)
         self.last_ns = max(self.last_ns, when_ns)
         self.counts[topic] = self.counts.get(topic, 0) + 1
@@ -125,16 +125,18 @@ def _qos(qos: QosSpec) -> dict[str, Any]:
 
 @dataclass(frozen=True, slots=True)
 class RecordedMessage:
-    """One message as it came, still serialised; both times since 1970."""
+    """A message as it came, still serialised."""
 
     topic: Recorded
     data: bytes
     received_ns: int
+    """Nanoseconds of Unix time."""
     sent_ns: int
+    """Nanoseconds of Unix time."""
 
 
 class _Buffer:
-    """Takes what the writer writes, until somebody takes it from here to the disk."""
+    """Takes the writer's bytes, until they are taken to the disk."""
 
     def __init__(self) -> None:
         self._parts: list[bytes] = []
@@ -149,21 +151,21 @@ class _Buffer:
         return self._offset
 
     def flush(self) -> None:
-        """There is nothing below."""
+        """Do nothing: there is no layer below."""
 
     def held(self) -> bytes:
-        """All that nobody has taken."""
+        """The bytes that were not taken yet."""
         return b"".join(self._parts)
 
     def forget(self) -> None:
-        """It was taken."""
+        """Drop the bytes, which were written."""
         self._parts = []
 
 
 class McapFile:
-    """Is made new; after an `OSError` of `flush` or `finish` it holds what was flushed before.
+    """A new file; after an `OSError` of `flush` or `finish` it holds the earlier flushes.
 
-    What could not be flushed is kept: a later `flush` or `finish` brings it to the disk.
+    Bytes that could not be flushed are kept: a later `flush` or `finish` brings them to the disk.
     """
 
     def __init__(self, path: Path) -> None:
@@ -177,7 +179,7 @@ class McapFile:
         self._file = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o644)
         self.size = 0
         self.ended = False
-        """Whether its end was written, if perhaps not yet to the disk."""
+        """Whether its end was written, though perhaps not to the disk yet."""
         self._writer.start(profile="ros2", library=f"edgevox {__version__}")
 
     def write(self, message: RecordedMessage) -> None:
@@ -196,7 +198,7 @@ class McapFile:
         self.info.count(message.topic, message.received_ns)
 
     def flush(self) -> None:
-        """What was written is in the file, also if the process is killed now."""
+        """Bring the messages to the file, so that they survive a kill of the process."""
         self._writer.flush()
         self._to_disk()
 
@@ -258,12 +260,12 @@ class Bag:
 
     @property
     def files(self) -> int:
-        """How many were begun."""
+        """The number of files that were begun."""
         return self._begun
 
     @property
     def size(self) -> int:
-        """How many bytes of all its files are on the disk."""
+        """The bytes of all its files on the disk."""
         return self._ended_bytes + (self._file.size if self._file else 0)
 
     def open(self) -> None:

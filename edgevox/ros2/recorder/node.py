@@ -1,4 +1,4 @@
-"""The node that hears what is to be recorded, without looking into it."""
+"""The recorder's node, which receives messages without looking into them."""
 
 import threading
 import time
@@ -19,10 +19,10 @@ log = get_logger(__name__)
 
 
 class Recorder:
-    """Records these topics from `start` to `close`.
+    """Records topics from `start` to `close`.
 
-    A topic whose type is not installed is left out and said. Raises `RosBridgeFailed` where ROS 2
-    does not work, `EdgeVoxError` where the folder cannot be made.
+    A topic whose type is not installed is left out and reported. Raises `RosBridgeFailed` if ROS 2
+    does not work, `EdgeVoxError` if the folder cannot be made.
     """
 
     name = "recorder"
@@ -47,13 +47,13 @@ class Recorder:
         self.ros.start()
 
     def close(self) -> None:
-        """Hear nothing more, and write what was heard."""
+        """Receive nothing more, and write the rest."""
         self.ros.close()
         self._writing.close()
 
     @property
     def checks(self) -> Sequence[HealthCheck]:
-        """What health asks of it."""
+        """Its health checks."""
         return (
             HealthCheck("recording", lives(lambda: self._writing.alive)),
             HealthCheck("ros2", moves(lambda: self.ros.stalled_s)),
@@ -61,7 +61,7 @@ class Recorder:
         )
 
     def status(self) -> Status:
-        """How it is now."""
+        """Return the current status."""
         return Status.judged(
             self.name,
             [Finding(Level.ERROR, self.fault)] if self.fault else (),
@@ -72,7 +72,7 @@ class Recorder:
 
     @property
     def fault(self) -> str:
-        """Why nothing can be written; empty if it can."""
+        """The reason why nothing can be written; empty if it can."""
         return self._writing.fault
 
     @property
@@ -82,17 +82,17 @@ class Recorder:
 
     @property
     def written(self) -> int:
-        """How many messages are on the disk."""
+        """The number of messages on the disk."""
         return self._writing.written
 
     @property
     def files(self) -> int:
-        """How many files were begun."""
+        """The number of files that were begun."""
         return self._writing.bag.files
 
     @property
     def dropped(self) -> Mapping[str, int]:
-        """How many messages of which topic were heard and could not be kept."""
+        """The number of messages that were lost, by topic."""
         return dict(self._inbox.dropped)
 
     def _listen(self, topic: Recorded) -> bool:

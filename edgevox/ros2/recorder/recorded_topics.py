@@ -1,4 +1,4 @@
-"""Which topics are recorded, of which type, with which quality of service."""
+"""The recorded topics, with their types and qualities of service."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
@@ -14,7 +14,7 @@ from edgevox.ros2.qos import profile
 from edgevox.ros2.standard_topics import AUDIO, INTEROP
 
 DEPTH = 50
-"""How many messages of a topic may wait for the recorder's executor."""
+"""Messages of a topic that may wait for the recorder's executor."""
 
 _ANY = lossy(10)
 """Hears every publisher."""

@@ -1,6 +1,6 @@
-"""Where a scenario plays on a robot that is only known by its topics, in real time.
+"""The harness that plays a scenario on a robot over its topics, in real time.
 
-A client of the action `execute_skill`, where its interface is built.
+It calls skills by the action `execute_skill`, if that interface is built.
 """
 
 import json
@@ -57,13 +57,13 @@ class SkillClient:
             self._on_executor(self._client.destroy)
 
     def there(self) -> bool:
-        """Whether somebody serves it. Raises `EdgeVoxError` where its interface is not built."""
+        """Return whether a server exists. Raises `EdgeVoxError` if the interface is not built."""
         if self._client is None:
             raise EdgeVoxError(f"{ACTION[0]}: edgevox_msgs is not built; make msgs")
         return bool(self._client.server_is_ready())
 
     def start(self, skill: str, arguments_json: str) -> bool:
-        """Whether it was accepted. Raises `EdgeVoxError` where nobody answers."""
+        """Return whether the goal was accepted. Raises `EdgeVoxError` if no server answers."""
         self.there()
         goal = self._kind.Goal(skill_name=skill, arguments_json=arguments_json)
 
@@ -75,7 +75,10 @@ class SkillClient:
         return bool(self._on_executor(ask))
 
     def _on_executor(self, work: Callable[[], Any]) -> Any:
-        """There, since rclpy misses an answer that is faster than its own bookkeeping."""
+        """Run `work` on the executor.
+
+        Rclpy misses an answer that is faster than its own bookkeeping.
+        """
         done = threading.Event()
         task = self._executor.create_task(work)
         task.add_done_callback(lambda _: done.set())
@@ -88,12 +91,12 @@ DEPTH = 100
 _RELIABLE = profile(Qos.RELIABLE, at_least=DEPTH)
 _STATE = profile(Qos.STATE, at_least=DEPTH)
 SETTLE_S = 0.15
-"""A state that came so long after a stimulus shows what it did."""
+"""A state this long after a stimulus shows the stimulus's effect."""
 MOST_SETTLE_S = 2.0
 MOST_GUESS_S = 0.25
-"""How far the robot's time may be guessed beyond its last state."""
+"""Seconds by which the robot's time may be extrapolated from its last state."""
 _BODY_S = 3.0
-"""How long the first `robot_state` of a robot that is there may take."""
+"""Seconds within which the first `robot_state` of a present robot comes."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -105,9 +108,9 @@ class _Moment:
 
 
 class TopicHarness:
-    """Gives stimuli on topics and collects what is seen there, until `close`.
+    """Gives stimuli on topics and collects the reactions, until `close`.
 
-    The robot's time is that of `robot_state`; a node without a body goes by the machine's.
+    The robot's time is that of `robot_state`; a node without a body uses the machine's.
     """
 
     def __init__(self, ros: RosNode, *, clock: Clock | None = None) -> None:
@@ -163,7 +166,7 @@ class TopicHarness:
 
     @property
     def name(self) -> str:
-        """What the robot calls itself, else the node's namespace."""
+        """The robot's own name, else the node's namespace."""
         return self._name or self._node.get_namespace()
 
     @property
@@ -226,7 +229,7 @@ class TopicHarness:
 
     @property
     def _heard_s(self) -> float:
-        """When the last state came."""
+        """Arrival time of the last state."""
         return self._robot.heard_s if self._robot else 0.0
 
     def _wait(self, condition: Callable[[], bool], timeout_s: float) -> bool:
@@ -252,7 +255,7 @@ class TopicHarness:
         self._node.create_subscription(String, topic, hear, qos)
 
     def _count(self, _topic: str, _text: str) -> None:
-        """That it came is all."""
+        """Do nothing more: the arrival alone counts."""
 
     def _on_answer(self, _topic: str, text: str) -> None:
         self._seen.append(Seen(self.time_s, Source.ANSWER, text))

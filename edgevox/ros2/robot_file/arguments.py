@@ -1,6 +1,6 @@
-"""The arguments of a skill in the file: their model, what they mean in a request, samples.
+"""The arguments of a skill in the file: their model, their meanings in a request, and samples.
 
-Values that a skill of a robot file speaks of, and the words for them, in each language.
+Also here: the words for a skill's values, in each language.
 """
 
 from collections.abc import Iterator, Mapping
@@ -22,7 +22,7 @@ _FORMATTED = ("says", "asks", "done")
 
 
 def every_language(entry: SkillEntry, at: Place) -> Iterator[tuple[Place, Sentences]]:
-    """What is said of a skill that stands `at` this place, English first, each with its place."""
+    """Yield the sentences of the skill `at` this place, English first, each with its place."""
     yield at, entry
     for code, said in entry.languages.items():
         yield (*at, "languages", code), said
@@ -76,7 +76,7 @@ def _kind(type_name: str) -> str:
 
 
 def _unlike(kind: str, value: str) -> str:
-    """What a value of this kind is written as instead; empty if it may be written so."""
+    """Return the form in which such a value must be written; empty if it is right."""
     if kind == _TRUTH:
         return "" if value in _TRUTHS else "true or false"
     if kind == _TEXT:
@@ -104,7 +104,10 @@ def arguments_model(name: str, arguments: Mapping[str, Argument]) -> type[BaseMo
 
 
 def meanings(arguments: Mapping[str, Argument], values: Mapping[str, Any]) -> dict[str, Any]:
-    """What goes into the request: of a choice what its word stands for, of others the value."""
+    """Return the request's values.
+
+    A choice's word replaced by its meaning, other values as they are.
+    """
     return {name: _meaning(arguments[name], value) for name, value in values.items()}
 
 

@@ -1,11 +1,8 @@
-"""Looks on the live graph for each interface that a robot file names; for the doctor's process.
+"""A look for a robot file's interfaces on the live graph, for the doctor's process.
 
-What is found of one is told as plain values: as which types it is there, with which quality of
-service, and what else is there that it may have been meant to be.
-
-What the graph shows at one moment: who serves, publishes and subscribes, and as which type.
-
-What a robot file expects of the graph: for each interface that it names, who has to be there.
+`wanted_by` lists the interfaces that a file needs. `look_at` lists the graph's servers, publishers
+and subscribers with their types. The result for each interface has plain values: its types there,
+its quality of service, and similar interfaces that may have been meant.
 """
 
 import contextlib
@@ -38,7 +35,7 @@ from edgevox.ros2.robot_file.steps import Step, Topic
 from edgevox.ros2.standard_topics import DRIVEN
 
 Role = Literal["service", "action", "publisher", "subscriber"]
-"""What the robot has under a name: the other end of what EdgeVox has there."""
+"""The robot's side of an interface: the opposite of EdgeVox's."""
 
 _ROLES: dict[str, tuple[Role, Kind]] = {
     "publish": ("subscriber", "msg"),
@@ -48,22 +45,22 @@ _ROLES: dict[str, tuple[Role, Kind]] = {
     "wait": ("publisher", "msg"),
 }
 TOPICS = "topics"
-"""Whose the topics of the contract are that the robot calls otherwise."""
+"""Owner of the contract's topics that the robot names differently."""
 
 
 @dataclass(frozen=True, slots=True)
 class Wanted:
-    """One interface; `whose` is the skill that needs it, and `name` is as the file writes it.
-
-    `contract` is what the contract calls a topic that is no skill's.
-    """
+    """An interface that the file needs."""
 
     whose: str
+    """The skill that needs it."""
     role: Role
     name: str
+    """As the file writes it."""
     type: str
     latched: bool = False
     contract: str = ""
+    """The contract's name for a topic that belongs to no skill."""
 
 
 def wanted_by(robot: RobotFile) -> Iterator[Wanted]:
@@ -96,18 +93,19 @@ _HIDDEN = "/_"
 
 @dataclass(frozen=True, slots=True)
 class OfferedEnd:
-    """One end of an interface that is there; `profile` is a topic's quality of service."""
+    """An interface that is there."""
 
     type: str
     profile: QoSProfile | None = None
+    """A topic's quality of service."""
 
 
 Offers = Mapping[Role, Mapping[str, list[OfferedEnd]]]
-"""What is there, by role and by full name."""
+"""The interfaces that are there, by role and full name."""
 
 
 def look_at(node: Node) -> Offers:
-    """What the other nodes have. What only clients of a service or an action look for is not."""
+    """List the other nodes' interfaces, without the clients of services and actions."""
     found: dict[Role, dict[str, list[OfferedEnd]]] = {
         "service": defaultdict(list),
         "action": defaultdict(list),
@@ -131,7 +129,7 @@ def look_at(node: Node) -> Offers:
 
 
 def unheard(publisher: QoSProfile, subscriber: QoSProfile) -> str:
-    """Why a subscriber would hear nothing of a publisher; empty if it would."""
+    """Return the reason why a subscriber would not hear a publisher; empty if it would."""
     verdict, reason = qos_check_compatible(publisher, subscriber)
     if verdict != QoSCompatibility.ERROR:
         return ""
@@ -140,7 +138,7 @@ def unheard(publisher: QoSProfile, subscriber: QoSProfile) -> str:
 
 
 def as_on_the_graph(profile: QoSProfile) -> QoSProfile:
-    """What is left to the middleware, as it says it of others: for ever."""
+    """Set the durations that the middleware decides to infinite, as it reports them of others."""
     profile.deadline = profile.lifespan = profile.liveliness_lease_duration = Infinite
     return profile
 
@@ -162,17 +160,17 @@ def _hidden(name: str) -> bool:
 
 
 LOOK_S = 5.0
-"""So long all of it may take to be discovered."""
+"""Seconds that the discovery may take."""
 NODE_NAME = "edgevox_doctor"
 MOST_NEAR = 3
 _ALIKE = 0.6
 
 
 def look_for_robot(settings_json: str) -> dict[str, Any]:
-    """What is there of the robot whose file these settings name.
+    """Look for the robot whose file these settings name.
 
-    `wrong` is why the file cannot be used; `off` are skills whose types are not sourced; `others`
-    is how many nodes there are; `found` has one entry for each interface; `elsewhere` is the
+    The result's keys: `wrong`, why the file cannot be used; `off`, skills whose types are not
+    sourced; `others`, the number of nodes; `found`, one entry for each interface; `elsewhere`, the
     namespace that most of them are in, and how many.
     """
     settings = check_settings(json.loads(settings_json))
@@ -237,7 +235,7 @@ def _told(wanted: Wanted, name: str, offers: Offers) -> dict[str, Any]:
 
 
 def _unfit(wanted: Wanted, theirs: Sequence[QoSProfile], *, latched: bool) -> str:
-    """Why none of them and EdgeVox would hear each other; empty if one would."""
+    """Return the reason why none of the ends matches EdgeVox's; empty if one does."""
     heard = wanted.role == "publisher"
     contract = profile(DRIVEN[wanted.contract].qos) if wanted.contract else None
     ours = as_on_the_graph(contract or interface_profile(latched=latched, heard=heard))
@@ -246,7 +244,7 @@ def _unfit(wanted: Wanted, theirs: Sequence[QoSProfile], *, latched: bool) -> st
 
 
 def _elsewhere(wanted: Sequence[tuple[Wanted, str]], offers: Offers) -> list[Any]:
-    """The namespace in which most of what is relative is there, and how much of it; or nothing."""
+    """Return the namespace that has most of the relative names, and how many; empty without one."""
     found = Counter(
         name.removesuffix(f"/{one.name}")
         for one, _ in wanted
@@ -257,7 +255,7 @@ def _elsewhere(wanted: Sequence[tuple[Wanted, str]], offers: Offers) -> list[Any
 
 
 def _near(wanted: Wanted, name: str, offers: Offers) -> Iterator[tuple[str, str]]:
-    """What is there in this role and is called much like it, or has its type; with their types."""
+    """Yield interfaces of this role with a similar name or the same type, with their types."""
     known = {
         other: sorted({end.type for end in ends}) for other, ends in offers[wanted.role].items()
     }
@@ -269,6 +267,6 @@ def _near(wanted: Wanted, name: str, offers: Offers) -> Iterator[tuple[str, str]
 
 
 def _likeness(name: str, other: str) -> float:
-    """Of the whole names, or of their last parts, where a namespace is another one."""
+    """Return the likeness, 0 to 1, of whole names or of last parts, if namespaces differ."""
     pairs = ((name, other), (name.rpartition("/")[2], other.rpartition("/")[2]))
     return max(difflib.SequenceMatcher(None, *pair).ratio() for pair in pairs)

@@ -1,6 +1,6 @@
-"""Steps on a node: what publishes, calls, runs actions, reads and waits.
+"""Steps on a node: publish, call, run an action, read and wait.
 
-What came of a step: the values that the file asks for, and whether it is what was expected.
+`values_of` takes the wanted values from a step's answer, and tests the expected conditions.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -36,7 +36,7 @@ log = get_logger(__name__)
 
 
 def holds(message: Any, conditions: Sequence[FieldCondition], arguments: Mapping[str, Any]) -> bool:
-    """Whether all of these hold for a message, with these values for what they name."""
+    """Return whether all conditions hold for a message; `arguments` are values that they name."""
     return all(_one_holds(read_path(message, one.field), one, arguments) for one in conditions)
 
 
@@ -50,9 +50,9 @@ def _one_holds(value: Any, condition: FieldCondition, arguments: Mapping[str, An
 
 
 def values_of(planned: PlannedStep, message: Any, arguments: Mapping[str, Any]) -> dict[str, Any]:
-    """The results of a step, as JSON has them; `arguments` are what its conditions may name.
+    """Return a step's results, as JSON values; `arguments` are values that conditions may name.
 
-    Raises `SkillFailed` where what came back says that it was not done.
+    Raises `SkillFailed` if the answer says that it was not done.
     """
     what = planned.interface_name
     said_no = planned.way == "call" and getattr(message, "success", True) is False
@@ -63,9 +63,9 @@ def values_of(planned: PlannedStep, message: Any, arguments: Mapping[str, Any]) 
 
 
 def value_of(message: Any, how: ResultValue) -> Any:
-    """A value of what came, as JSON has it, not longer than `brief`.
+    """Return a value of the answer as JSON, not longer than `brief`.
 
-    None where a list is shorter, and for a number that is none, as of a sensor that sees nothing.
+    None if a list is shorter, and for NaN, as of a sensor that sees nothing.
     """
     value = read_path(message, how.field)
     if how.times is not None and isinstance(value, int | float):
@@ -81,19 +81,19 @@ Report = Callable[..., None]
 
 @dataclass(frozen=True, slots=True)
 class StepRun:
-    """One time that a step is done: the values for its request, and the goal it is done for.
-
-    `stop` does what the skill does when it ends early; only the first call counts. `asked_s` is
-    when the step before it began to ask for something, if there is one, and `only_asked` that it
-    did nothing else: it did not wait for what it asked for.
-    """
+    """A single run of a step."""
 
     values: Mapping[str, Any]
+    """Values for the request, by name."""
     token: CancelToken
+    """Cancelled with the goal."""
     report: Report
     stop: Callable[[], None] = lambda: None
+    """Does what the skill does when it ends early; only the first call counts."""
     asked_s: float | None = None
+    """When the step before began to ask for something, by the clock; None if it did not."""
     only_asked: bool = False
+    """True if the step before did not wait for what it asked for."""
 
 
 class LiveStep(Protocol):
@@ -101,10 +101,13 @@ class LiveStep(Protocol):
 
     @property
     def only_asks(self) -> bool:
-        """Whether it is over as soon as it has asked for something."""
+        """Whether it ends as soon as it has asked for something."""
 
     def run(self, run: StepRun) -> dict[str, Any]:
-        """Its results. Raises `SkillFailed` with the reason, or `Cancelled`."""
+        """Run the step; return its results.
+
+        Raises `SkillFailed` with the reason, or `Cancelled`.
+        """
 
 
 def go_live(planned: PlannedStep, node: Node, clock: Clock) -> LiveStep:
@@ -227,7 +230,7 @@ class WaitsForMessage(_Hears):
     """Waits until a message says that something is so."""
 
     keeps = 32
-    """What came between the asking and the waiting: others' answers come on the same topic."""
+    """Messages kept between asking and waiting: others' answers come on the same topic."""
 
     def run(self, run: StepRun) -> dict[str, Any]:
         how: Wait = getattr(self._step, self._planned.way)

@@ -1,4 +1,4 @@
-"""Reads a robot file, and makes its skills."""
+"""The loader of a robot file and its skills."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -16,20 +16,20 @@ from edgevox.ros2.robot_file.format import RobotFile
 T = TypeVar("T")
 
 CLEAR_AHEAD_M = 0.1
-"""So far from what is ahead a robot stands that was told its size."""
+"""The clearance in metres from an obstacle ahead, for a robot of known size."""
 CLEAR_ASIDE_M = 0.05
 
 
 @dataclass(frozen=True)
 class DescribedRobot:
-    """What a robot file says, and the file, which knows its lines."""
+    """A robot file's content, and the file itself, for its line numbers."""
 
     robot: RobotFile
     file: YamlFile
     folder: Path
 
     def places(self, settings: Settings) -> Mapping[str, Location]:
-        """Its places: of the setting's file, else as this one says. Raises `InvalidValue`."""
+        """Return its places: of the setting's file, else of this one. Raises `InvalidValue`."""
         if settings.locations:
             return load_locations(settings.locations)
         if self.robot.locations:
@@ -44,7 +44,7 @@ class DescribedRobot:
         return Policy(self.robot.policy) if self.robot.policy else None
 
     def steering(self, settings: Settings) -> SteeringLimits:
-        """How it is steered where nothing takes goals."""
+        """Return the limits for steering, where no node takes goals."""
         limits, usual = self.robot.limits, SteeringLimits()
         fastest = self.setting(settings, "max_linear", limits.max_linear)
         steering = SteeringLimits(
@@ -76,19 +76,19 @@ class DescribedRobot:
 
     @staticmethod
     def setting(settings: Settings, name: str, described: T | None) -> T:
-        """A setting that somebody gave, else what the file says, else the setting's default."""
+        """Return the setting that was given, else the file's value, else the setting's default."""
         given: T = getattr(settings, name)
         return given if described is None or name in settings.model_fields_set else described
 
 
 NO_FILE = DescribedRobot(RobotFile(), YamlFile("{}", "robot"), Path())
-"""Of a robot that only drives."""
+"""The description of a robot without a file, which only drives."""
 
 
 def load_robot_file(path: Path) -> DescribedRobot:
-    """Read and check a file, but for the types of its interfaces, which need ROS 2.
+    """Read and check a file, except for the types of its interfaces, which need ROS 2.
 
-    Raises `InvalidValue` naming the file, the line, the field, its value and what was expected.
+    Raises `InvalidValue` naming the file, the line, the field, its value and the expected value.
     """
     file = YamlFile(read_text(path, "robot_file"), path.name)
     return DescribedRobot(file.read(RobotFile, file.data), file, path.parent)

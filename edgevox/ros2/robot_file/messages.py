@@ -66,17 +66,17 @@ def fields_of(message: Any) -> dict[str, str]:
 
 
 def is_primitive(type_name: str) -> bool:
-    """Whether it is a number, a truth or a text."""
+    """Return whether it is a number, a truth or a text."""
     return _PRIMITIVE.fullmatch(type_name) is not None
 
 
 def is_text(type_name: str) -> bool:
-    """Whether it is a text, bounded or not."""
+    """Return whether it is a text, bounded or not."""
     return type_name.startswith(("string", "wstring"))
 
 
 def listed(type_name: str) -> tuple[str, int | None, int | None] | None:
-    """For a list: the type in it, its fixed length, and the most that it takes; else None."""
+    """Return a list's item type, fixed length and greatest length; None for other types."""
     if match := _ARRAY.fullmatch(type_name):
         return match["inner"], int(match["length"]), None
     if match := _SEQUENCE.fullmatch(type_name):
@@ -110,7 +110,7 @@ def check_path(kind: Any, path: str, field: str) -> str:
 
 
 def read_path(message: Any, path: str) -> Any:
-    """What stands at this path; None where a list is shorter."""
+    """Return the value at this path; None if a list is shorter."""
     for part in path.split("."):
         name, *_ = part.partition("[")
         message = getattr(message, name)
@@ -129,10 +129,9 @@ def _plain(value: Any) -> Any:
 
 
 def brief(value: Any) -> Any:
-    """A value of a message as JSON has it, with the beginning of each text and list in it.
+    """Return a message's value as JSON, with only the beginning of each text and list.
 
-    To write out all of what may be 10 MB keeps every thread from its work for seconds, that of a
-    stop, too.
+    Writing out a value of 10 MB would keep every thread from its work for seconds, even a stop's.
     """
     value = _plain(value)
     if isinstance(value, str):

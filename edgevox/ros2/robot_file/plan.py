@@ -53,12 +53,12 @@ class PlannedStep:
 
     @property
     def interface_name(self) -> str:
-        """As the file writes it."""
+        """The interface's name as the file writes it."""
         return str(getattr(self.step, self.way).name)
 
 
 class Planner:
-    """Checks the steps of one skill, one after another: a later one may use earlier results.
+    """Checks the steps of one skill in order: a later one may use earlier results.
 
     `arguments` are the skill's. Its methods raise `InvalidValue` naming file, line and field.
     """
@@ -83,7 +83,7 @@ class Planner:
         return planned
 
     def plan_watch(self, watch: Wait, at: Place) -> PlannedStep:
-        """What ends a skill, as a step that waits for it. Raises as `plan`."""
+        """Plan a condition that ends a skill, as a step that waits for it. Raises like `plan`."""
         kind = interface(watch.type, "msg")
         for number, one in enumerate(watch.until):
             self._check_condition(kind, one, (*at, "until", number))
@@ -176,7 +176,7 @@ def _sides(way: str, kind: Any) -> tuple[Any, Any]:
 
 
 def _unlike(type_name: str, value: Scalar) -> str:
-    """What a field of this type would have to equal, if it can never equal this value."""
+    """Return what a field of this type must equal instead; empty if it can equal this value."""
     if not is_primitive(type_name):
         return "nothing: only a number, a truth or a text is compared"
     if is_text(type_name):

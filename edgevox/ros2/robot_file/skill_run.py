@@ -1,4 +1,4 @@
-"""One run of a skill of a robot file: its steps in order, what ends it, and what is done then."""
+"""A run of a robot file's skill: its steps in order, its end conditions, and its stop step."""
 
 import threading
 from collections.abc import Callable, Mapping, Sequence
@@ -35,7 +35,7 @@ class Watch:
 
     @property
     def so_now(self) -> bool:
-        """Whether what was heard last, and not long ago, would end it."""
+        """Whether the last recent message would end the skill."""
         newest = self._newest.young(float("inf") if self._how.latched else READ_S)
         return newest is not None and holds(newest, self._how.until, {})
 
@@ -59,7 +59,7 @@ class Watch:
 
 @dataclass(frozen=True)
 class LiveSkill:
-    """The steps of a skill on a node, what ends it, and what is done when it ends early."""
+    """The steps of a skill on a node, its end conditions, and its stop step."""
 
     name: str
     steps: Sequence[LiveStep]
@@ -113,7 +113,7 @@ class _SkillRun:
         return results
 
     def stop(self) -> None:
-        """What the file wants done when it ends early: once, and only if it had begun."""
+        """Do the file's stop step, for an early end: once, and only after the skill has begun."""
         if self._skill.stop is None or self._stopped or not self._begun:
             return
         self._stopped = True

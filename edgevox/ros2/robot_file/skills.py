@@ -1,7 +1,4 @@
-"""The skills that a robot file describes, from the file to the graph.
-
-One skill of a robot file: what the agent takes, and what it becomes on a node.
-"""
+"""The skills of a robot file, from the file to the graph."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
@@ -39,7 +36,7 @@ log = get_logger(__name__)
 
 @dataclass(eq=False)
 class DescribedSkill:
-    """One entry of the file with its checked steps; `open` it on a node before it is run."""
+    """A file's entry with its checked steps; call `open` before it is run."""
 
     name: str
     entry: SkillEntry
@@ -49,7 +46,7 @@ class DescribedSkill:
     _live: LiveSkill | None = None
 
     def open(self, node: Node, clock: Clock) -> None:
-        """Join the graph with what it needs."""
+        """Join the graph with the interfaces of its steps."""
         self._live = LiveSkill(
             self.name,
             [go_live(one, node, clock) for one in self.steps],
@@ -63,7 +60,7 @@ class DescribedSkill:
         self._live = None
 
     def skill(self) -> Skill:
-        """As the agent takes it."""
+        """Return the skill in the agent's form."""
         entry = self.entry
         said = {ENGLISH: entry, **entry.languages}
         english = words_of(self.name, entry, entry, ENGLISH)
@@ -92,7 +89,7 @@ class DescribedSkill:
             raise SkillFailed(self._reason(error.reason)) from error
 
     def _reason(self, found: Reason) -> Reason:
-        """What the file says of a failure, in the languages that it speaks."""
+        """Return the failure in the file's words, if it has some, in its languages."""
         if not self.entry.failed:
             return found
         told = {code: one.failed for code, one in self.entry.languages.items() if one.failed}
@@ -102,7 +99,7 @@ class DescribedSkill:
 
 
 def words_of(name: str, entry: SkillEntry, said: Sentences | None, code: str) -> SkillPhrases:
-    """What is said of it in a language: what the file says, or what is made of its name."""
+    """Return the skill's phrases in a language: the file's, else made from its name."""
     said = said or Sentences()
     needed = [key for key, one in entry.arguments.items() if one.default is None]
     plain = " ".join([name.replace("_", " "), *("{" + key + "}" for key in needed)])
@@ -120,14 +117,14 @@ def words_of(name: str, entry: SkillEntry, said: Sentences | None, code: str) ->
 
 @dataclass(frozen=True, slots=True)
 class SkillOff:
-    """A skill whose types are not there, and which."""
+    """A skill that is off, and the missing type."""
 
     name: str
     reason: str
 
 
 def described_skills(robot: RobotFile, file: YamlFile) -> list[DescribedSkill]:
-    """The skills of a file; one whose types are not there is left out, and told by name.
+    """Return a file's skills; one with a missing type is left out, and reported by name.
 
     Raises `InvalidValue` naming file, line and field.
     """
@@ -192,7 +189,7 @@ def _check_sentences(entry: SkillEntry, file: YamlFile, place: Place) -> None:
 
 
 def _check_answers(entry: SkillEntry, known: Mapping[str, str], file: YamlFile, at: Place) -> None:
-    """What is said at the start knows the arguments, what is said at the end the results, too."""
+    """Check that start sentences name only arguments, and end sentences also results."""
     for place, said in every_language(entry, at):
         for name, values in (
             ("says", entry.arguments.keys()),

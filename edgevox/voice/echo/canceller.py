@@ -1,23 +1,23 @@
-"""Hearing a person through the robot's own voice: what is played is taken out of what is heard.
+"""Echo cancellation: removes the robot's own voice from the microphone, so that a person is heard.
 
-Two cancellers side by side. WebRTC's AEC3 leaves nearly nothing of the echo and suppresses parts of
-a person's words with it. An `AdaptiveFilter` takes out what it knows of the echo and leaves a
-person's words as they are: that is for speech to text. Whether somebody speaks is told by what AEC3
-gives, and, where both find a person, by what the filter leaves: it is louder than a gate has learnt
-to expect of it, and AEC3 has not suppressed it. One frame of that is looked at by itself; where
-several are found, a voice in all that the filter leaves is somebody's (`voice_over_echo`). Until
-AEC3 is measured to take the echo out, and where it does not (the reference is not what is played,
-the delay is longer than it can follow), the gate decides, on the sound as it came.
+Two cancellers run side by side. WebRTC's AEC3 (package `pywebrtc-audio`) leaves nearly no echo, but
+suppresses parts of a person's words with it; its output serves the voice detector. An
+`AdaptiveFilter` removes the echo that it has learnt and leaves a person's words as they are; its
+output serves speech to text.
 
-WebRTC's echo canceller AEC3, from the package `pywebrtc-audio`, for frames of ours.
+A person is found in one of two ways: by a voice in AEC3's output, or, where both cancellers agree,
+by what the filter leaves: it is louder than the gate expects of residual echo, and AEC3 did not
+suppress it. Each frame is judged alone; after several such frames, any voice in the filter's output
+is a person's (`VoiceOverEcho`).
 
-Where in time a microphone's frames were captured, though each arrives late by another while.
+The gate decides instead, on the unprocessed sound, until AEC3 is measured to remove the echo and
+wherever it does not (the reference is not what is played, or the delay is longer than AEC3 can
+follow).
 
-Whether somebody speaks, where something of the robot's own voice may be left in what is heard.
-
-Two detectors of voices: one hears as little as possible of the robot and loses parts of a person;
-the other hears all of a person and some of the robot, and counts while it is known by other means
-that somebody speaks.
+`CapturePosition` finds when a microphone's frames were captured, though each arrives with its own
+delay. `VoiceOverEcho` runs two voice detectors: one on AEC3's output, which loses parts of a
+person, and one on the filter's output, which holds some of the robot and counts only while other
+evidence says that a person speaks.
 """
 
 from collections import deque
@@ -39,16 +39,16 @@ log = get_logger(__name__)
 
 
 BLOCK_SAMPLES = 160
-"""It works on 10 ms."""
+"""AEC3 works on blocks of 10 ms."""
 DELAY_SAMPLES = 128
-"""What frames may leave of a block at most; so much later comes all that it gives back."""
+"""The most samples of a block that frames leave over; AEC3's output is delayed by this many."""
 
 
 class CancellingEngine(Protocol):
     """An echo canceller for samples at 16 kHz."""
 
     def process(self, near: Samples, far: Samples) -> Samples:
-        """What was heard, without what was played; whole blocks."""
+        """Return `near` (heard) without the echo of `far` (played); both are whole blocks."""
 
 
 def open_engine() -> CancellingEngine:
@@ -72,7 +72,7 @@ class FrameCanceller:
         self._out = samples[-DELAY_SAMPLES:]
 
     def push(self, near: Samples, far: Samples) -> Samples:
-        """A frame without what was played, 8 ms late."""
+        """Return a frame without the echo of the played sound, 8 ms late."""
         self._near = np.concatenate([self._near, near])
         self._far = np.concatenate([self._far, far])
         whole = self._near.size // BLOCK_SAMPLES * BLOCK_SAMPLES
@@ -84,9 +84,9 @@ class FrameCanceller:
 
 
 WINDOW_FRAMES = 64
-"""2 s: the frame of these that came least late tells the time of all."""
+"""2 s: the least late of these frames sets the time of all."""
 LOST_S = 0.25
-"""A frame that comes so much later than due does not follow on the one before."""
+"""A frame that comes this much later than due does not follow on the one before."""
 SLIP_SAMPLES = 16
 """1 ms: so far apart, the positions are set right while nothing is played."""
 JUMP_SAMPLES = 320
@@ -94,10 +94,10 @@ JUMP_SAMPLES = 320
 
 
 class CapturePosition:
-    """Gives each frame the position of its first sample in the clock's time, in samples.
+    """The position of each captured frame's first sample in the clock's time, in samples.
 
-    One frame follows on the other without a gap, since a canceller would have to learn anew after
-    each; where the clocks drift apart or sound is lost, the position jumps, best in silence.
+    Frames follow each other without a gap, because a canceller has to learn again after each gap.
+    Where the clocks drift apart or sound is lost, the position jumps, in silence if it can wait.
     """
 
     def __init__(self) -> None:
@@ -106,7 +106,7 @@ class CapturePosition:
         self._next = 0
 
     def take(self, end_s: float, *, quiet: bool) -> int:
-        """The position of the frame whose last sample arrived at `end_s`."""
+        """Return the position of the frame whose last sample arrived at `end_s`."""
         self._count += 1
         late_s = end_s - self._count * FRAME_S
         if self._late and late_s - min(self._late) > LOST_S:
@@ -122,12 +122,12 @@ class CapturePosition:
 
 
 class FoundVoice(NamedTuple):
-    """How likely a frame holds somebody's voice, 0 to 1, and whether it holds one that may be
-    somebody's.
-    """
+    """The voice that was found in a frame."""
 
     probability: float
+    """The probability that the frame holds a person's voice, 0 to 1."""
     surmised: bool
+    """Whether the frame holds a voice that may be a person's, or the robot's."""
 
 
 class VoiceOverEcho:
@@ -144,7 +144,7 @@ class VoiceOverEcho:
         return self._vad.any_voice
 
     def of(self, sound: Unechoed) -> FoundVoice:
-        """Of the next frame."""
+        """Judge the next frame."""
         probability = self._vad.probability(sound.voice)
         if not sound.cancelled:
             self._goes_on = False
@@ -165,22 +165,23 @@ class VoiceOverEcho:
 
 
 AFTER_S = 1.0
-"""So long after the last sound that was played, nothing is to be taken out any more."""
+"""Seconds after the last played sound when there is no more echo to remove."""
 
 TAIL_S = 0.5
-"""What is cancelled may come from another computer, later than the echo of a card; until it is
-measured to be cancelled, the gate must know of that."""
+"""Sound that another computer plays comes back later than a card's echo; until AEC3 is measured
+to cancel it, the gate must expect it for this long."""
 
 PERSON_LOUDER, PERSON_SUPPRESSED = 2.0, 0.2
 PERSON_FRAMES, PERSON_AMONG, PERSON_GOES_ON = 3, 5, 4
-"""By so much and so little three of five frames are a person, whose voice is believed until none of
-four was: of 60 people in rooms to tune with (the benchmark `duplex` has others) 58 are noticed,
-and nobody in 56 minutes of the robot's own voice."""
+"""Of five frames, three must be a person's before the voice is believed; it is believed until
+none of four was. Of 60 people in rooms to tune with (the benchmark `duplex` has others) 58 are
+noticed, and no person is found in 56 minutes of the robot's own voice."""
 
 LOUDER, SUPPRESSED = 1.5, 0.25
-"""So much louder than the echo that the filter mostly leaves, and not suppressed by AEC3 to so much
-of that, is a person: of 8,418 frames of nothing but the robot's own voice, half a percent, never
-three in a row; of a person's 5 dB below the loudspeaker, more than four of ten."""
+"""A frame is a person's if it is this many times louder than the echo that the filter usually
+leaves, and AEC3 did not suppress it to below this share. Of 8,418 frames with only the robot's
+own voice, half a percent pass, never three in a row; of a person's frames, 5 dB below the
+loudspeaker, more than four of ten."""
 
 
 def open_echo(
@@ -190,10 +191,10 @@ def open_echo(
     *,
     engine: Callable[[], CancellingEngine] = open_engine,
 ) -> EchoFilter:
-    """What keeps the robot's own voice out, by the setting `echo`.
+    """Open the filter for the robot's own voice that the setting `echo` names.
 
-    The gate stands in for a canceller that is not installed, which is logged, and where nobody
-    knows what is `played`.
+    The gate is used instead, with a log line, if the canceller is not installed; and if there is no
+    `played` sound to cancel.
     """
     if echo == "cancel" and played is not None:
         try:
@@ -248,8 +249,9 @@ class EchoCanceller:
 
 
 class _Persistence:
-    """What is found in `PERSON_FRAMES` of `PERSON_AMONG` frames goes on until it was in none of
-    `PERSON_GOES_ON`.
+    """A finding in `PERSON_FRAMES` of `PERSON_AMONG` frames.
+
+    It lasts until none of `PERSON_GOES_ON` has it.
     """
 
     def __init__(self) -> None:

@@ -1,16 +1,16 @@
-"""What of a sound is the answer of a loudspeaker and a room to another sound, learnt as both go on.
+"""An adaptive echo canceller and the drift between two audio clocks.
 
-A partitioned-block frequency-domain Kalman filter: it models the way from loudspeaker to microphone
-as a linear filter, and knows for every frequency how sure it is of it. So it learns fast at first
-and where only the loudspeaker is heard, and holds still while somebody else speaks too, without a
-detector of that. A small loudspeaker is pushed into its limits, so it filters two distortions of
-what is played, too (a Hammerstein model); and the clocks of loudspeaker and microphone are not one,
-so the filter goes with their drift (`clock_drift`). A person's voice it leaves as it is.
+`AdaptiveFilter` is a partitioned-block frequency-domain Kalman filter. It models the path from
+loudspeaker to microphone as a linear filter and keeps an uncertainty for every frequency. So it
+learns fast at first and while only the loudspeaker is heard, and holds still while a person speaks
+too, without a detector for that double talk. A small loudspeaker is driven into its limits, so two
+distortions of the played sound are filtered as well (a Hammerstein model). A person's voice passes
+unchanged.
 
-By how much one clock runs faster than another, found in how a filter between both changes.
-
-A filter that follows a drifting clock moves in time: each of its frequencies turns in phase, the
-faster the higher it is. What of each change is such a turn tells the drift (a phase-locked loop).
+`ClockDrift` estimates by how much the loudspeaker's clock runs faster than the microphone's. A
+filter that follows a drifting clock moves in time: each of its frequencies turns in phase, in
+proportion to the frequency. The part of each change that is such a turn gives the drift (a
+phase-locked loop).
 """
 
 from typing import Any
@@ -21,17 +21,17 @@ from numpy.typing import NDArray
 MOST_PPM = 300.0
 """Ordinary quartzes differ by less."""
 AT_ONCE_PPM = 100.0
-"""So much at most is believed of what one look says: at first the filter changes by more than
-drift."""
+"""Most drift that one look may report: at first, the filter changes for more reasons than drift."""
 FOLLOWS, LOOKS = 0.07, 30
-"""How much of what the last looks say is believed at each, and over about how many is meant."""
+"""The share of the latest looks' result that each look adds, and the number of looks in that
+mean."""
 _NO_WEIGHT = 1e-9
 
 
 class ClockDrift:
     """Follows the drift from block to block.
 
-    `ppm` is by how much what plays runs faster than what hears, 0 at first.
+    `ppm` is by how much the loudspeaker's clock runs faster than the microphone's, 0 at first.
     """
 
     def __init__(self, block_samples: int) -> None:
@@ -42,7 +42,7 @@ class ClockDrift:
         self.ppm = 0.0
 
     def turns(self) -> NDArray[np.complex64]:
-        """By what each frequency of the filter is to turn from one block to the next."""
+        """Return the phase factor of each frequency of the filter from one block to the next."""
         samples = np.float32(self.ppm * 1e-6 * self._block)
         return np.asarray(np.exp(1j * samples * self._angles), np.complex64)
 
@@ -53,8 +53,14 @@ class ClockDrift:
         heard: float,
         left: float,
     ) -> None:
-        """Look at how the filter `way` (blocks, bins) is about to change, and at the powers of what
-        was heard and of what it left: who takes out nothing has nothing to say.
+        """Update the drift from the change of the filter.
+
+        Args:
+            way: The filter, shape (blocks, bins).
+            change: The filter's change in this block, of the same shape.
+            heard: The power of the microphone's block.
+            left: The power of what the filter left of it. A filter that removes nothing changes
+                nothing here.
         """
         turned = self._angles * (way.real * change.imag - way.imag * change.real)
         weight = self._angles**2 * (way.real**2 + way.imag**2)
@@ -72,28 +78,28 @@ BLOCK_SAMPLES = 256
 REACH_BLOCKS = 40
 """0.64 s at 16 kHz: the longest delay, and the room after it."""
 KEEPS = np.float32(0.996)
-"""How much the way is believed to stay the same from one block to the next. Less follows what
-moves, more takes out more where nothing does."""
+"""The share of the path that is believed to stay from one block to the next. A lower value
+follows movement faster; a higher one removes more echo where nothing moves."""
 SMOOTHS = np.float32(0.4)
-"""Of the power of what is left: by it, it tells a person from what it has not learnt yet."""
+"""Weight of the past in the mean power of the residual, which tells a person's voice from echo
+that is not learnt yet."""
 UNKNOWN = np.float32(0.1)
-"""How unsure it is at first of each number of the filter, as a power of what that may be."""
+"""Uncertainty of each coefficient at the start, as the power that it may have."""
 LIMIT = np.float32(0.3)
-"""From about here on, of full scale, a loudspeaker is taken to distort."""
+"""The level, of full scale, from about which a loudspeaker is taken to distort."""
 JOINED_EVERY, ACROSS = 8, 16
-"""In blocks: as it goes with the clocks, up to so many samples of a block of the filter move on to
-the one beside it.
-"""
+"""Blocks between two joins, and the samples that move across a block's edge then: the filter
+follows the clocks, so up to this many samples of a block move on to its neighbour."""
 _HALF, _NOTHING = np.float32(0.5), np.float32(1e-9)
 
 Sound = NDArray[np.floating[Any]]
 """Mono, shape (n,), float32; full scale is 1."""
 Spectra = NDArray[np.complexfloating[Any, Any]]
-"""Complex64, shape (ways, blocks, bins): those of what is played, and of its distortions."""
+"""Complex64, shape (ways, blocks, bins), of the played sound and its distortions."""
 
 
 class AdaptiveFilter:
-    """Takes blocks of what was heard and what was played, and gives back what is left."""
+    """Takes blocks of heard and played sound, and returns the heard sound without the echo."""
 
     def __init__(self) -> None:
         bins = BLOCK_SAMPLES + 1
@@ -108,11 +114,14 @@ class AdaptiveFilter:
 
     @property
     def drift_ppm(self) -> float:
-        """By how much the loudspeaker's clock is found to run faster than the microphone's."""
+        """The estimated drift.
+
+        By how much the loudspeaker's clock runs faster than the microphone's.
+        """
         return self._drift.ppm
 
     def push(self, heard: Sound, played: Sound) -> Sound:
-        """`heard` without what comes of `played`; whole blocks, each of both as long."""
+        """Return `heard` without the echo of `played`; whole blocks, both of the same length."""
         return np.concatenate(
             [
                 self._block(heard[at : at + BLOCK_SAMPLES], played[at : at + BLOCK_SAMPLES])
@@ -137,7 +146,7 @@ class AdaptiveFilter:
         return np.asarray(left)
 
     def _learn(self, left: Spectra) -> Spectra:
-        """By what the way is to change, after what was left of a block."""
+        """Return the filter's change, from the spectrum that was left of a block."""
         power = _squared(self._played)
         self._left = SMOOTHS * self._left + (1 - SMOOTHS) * _squared(left)
         expected = _HALF * (power * self._doubt).sum(axis=(0, 1)) + self._left + _NOTHING
@@ -159,7 +168,7 @@ class AdaptiveFilter:
 
 
 def distorted(played: Sound) -> Sound:
-    """As it is, at its limits, and by how much those differ on both sides: shape (3, n)."""
+    """Return the sound, its limited form, and its asymmetric distortion: shape (3, n)."""
     limited = np.tanh(played / LIMIT)
     return np.stack([played, LIMIT * limited, _HALF * LIMIT * limited**2])
 

@@ -1,13 +1,15 @@
-"""Not hearing oneself: what a microphone hears of the robot's own voice is no speech.
+"""The echo gate: keeps the robot from hearing its own voice as speech.
 
 `EchoGate` is half duplex with a measured threshold: while the robot speaks, a frame counts only if
-it is louder, by a margin, than the echo of what plays now. How much of it comes back (the coupling,
-from about -6 dB for a loudspeaker beside the microphone to -30 dB across a room) is learnt as it
-speaks; the first guess is the loudest. So a person near the microphone, or who raises their voice,
-interrupts it, and it never answers itself. A quieter person needs an `echo_canceller`, behind which
-the same gate learns how much that one leaves.
+it is louder, by a margin, than the echo of what plays now. The gate learns the coupling (the share
+of the played sound that comes back: from about -6 dB for a loudspeaker beside the microphone to -30
+dB across a room) as the robot speaks; its first guess is the loudest. So a person near the
+microphone, or with a raised voice, interrupts the robot, and the robot never answers itself. A
+quieter person needs a canceller (`canceller.py`); behind it, the same gate learns how much echo the
+canceller leaves.
 
-By how much a canceller weakens the echo, measured: the echo return loss enhancement (ERLE).
+`EchoLoss` measures by how much a canceller weakens the echo: the echo return loss enhancement
+(ERLE).
 """
 
 import math
@@ -27,31 +29,33 @@ log = get_logger(__name__)
 OVER_S = 4.0
 """The measure follows with this time constant, of sound that is played."""
 LATELY_S = 1.0
-"""The same, for what is to be seen before the canceller is used."""
+"""The same time constant, for the measure that decides whether to use the canceller."""
 JUDGED_AFTER_S = 1.0
-"""So much of the robot's voice is heard before the canceller is judged for the first time."""
+"""Seconds of the robot's voice before the canceller is judged for the first time."""
 ENOUGH_DB = 10.0
-"""From here on the canceller is used."""
+"""The canceller is used once its ERLE reaches this."""
 TOO_LITTLE_DB = 6.0
-"""A canceller that takes out less does not have what is played, and is used no more."""
+"""Below this ERLE, the canceller's reference is not the played sound, and it is used no more."""
 LINEAR_DB = 2.0
-"""So much a linear filter must take out before the canceller is used, too. One that knows nothing
-yet drops nearly all that it hears, a person with a headset too; a filter takes out echo or nothing:
-nothing where there is none, 2 dB within 2 to 6 s in the rooms of the benchmark `duplex`."""
+"""The linear filter must reach this ERLE, too, before the canceller is used. A canceller that
+knows nothing yet drops nearly all that it hears, even a person with a headset. A filter removes
+echo or nothing: nothing where there is none, 2 dB within 2 to 6 s in the rooms of the benchmark
+`duplex`."""
 AUDIBLE = 0.01
-"""Only what is played at least so loud, and heard above the room's noise, is measured."""
+"""Only sound that plays at least this loud, and is heard above the room's noise (`HEARD`), is
+measured."""
 HEARD = 0.003
 
 
 class EchoLoss:
-    """Watches what goes into a canceller and what comes out, and out of a linear filter beside."""
+    """Measures a canceller and a linear filter beside it, by their input and output."""
 
     def __init__(self) -> None:
         self._long, self._lately = _Measure(OVER_S), _Measure(LATELY_S)
         self._linear = _Measure(LATELY_S)
         self._measured_s = 0.0
         self.enough = False
-        """Whether the canceller takes out enough; not before that is measured."""
+        """Whether the canceller removes enough echo; False until that is measured."""
 
     @property
     def decibels(self) -> float:
@@ -105,10 +109,10 @@ class _Measure:
 
 
 TAIL_S = 0.25
-"""The echo goes on for so long after the sound: the delay of sound card and room."""
+"""Seconds of echo after the sound: the delay of sound card and room."""
 MARGIN = 2.5
-"""8 dB: by so much a voice must exceed the echo that is expected. With 6 dB the robot interrupted
-itself 6 times in 18 simulated rooms, with 8 dB never."""
+"""8 dB by which a voice must exceed the expected echo. With 6 dB the robot interrupted itself 6
+times in 18 simulated rooms, with 8 dB never."""
 LOUDEST = 0.5
 """-6 dB: the coupling that is assumed before it has been heard."""
 WEAKEST = 0.02
@@ -118,7 +122,7 @@ LEARNS_FROM = 0.7
 plays quietly, the echo of the louder sound before and the room's noise are heard."""
 FALLS_S = 1.0
 RISES_S = 0.2
-"""How fast a weaker and a stronger coupling are learnt, as time constants."""
+"""Time constants of learning: for a weaker coupling (`FALLS_S`) and for a stronger one."""
 RISES_THROUGH_S = 1.0
 """The same for sound that passes the gate: it is probably a person's."""
 LOUD_S = 5.0
@@ -129,20 +133,19 @@ OPEN_S = 0.13
 
 @dataclass(frozen=True, slots=True)
 class Unechoed:
-    """A frame without the robot's own voice, for each who listens to it.
-
-    `clean` is for a spotter of words, who knows them through what is left of it. `voice` is for a
-    detector of voices, who would take what is left for one: as little as possible. `words` is for
-    speech to text, which would take it for words.
-    """
+    """A frame without the robot's own voice, in one form for each listener."""
 
     clean: Samples
+    """For a word spotter, which knows its words through residual echo."""
     voice: Samples
+    """For a voice detector, which would take residual echo for a voice: as little of it as
+    possible."""
     words: Samples
+    """For speech to text, which would take residual echo for words."""
     cancelled: bool = False
-    """Whether something of the robot's own voice may be left in all three."""
+    """True if some of the robot's own voice may be left in all three forms."""
     somebody: bool = False
-    """Whether a voice in `words` is somebody else's, then."""
+    """With `cancelled`: whether a voice in `words` is a person's and not the robot's."""
 
 
 class EchoFilter(Protocol):
@@ -157,10 +160,13 @@ class EchoFilter(Protocol):
 
 
 class EchoGate:
-    """Decides for each frame whether it may be somebody else's voice.
+    """Decides for each frame whether it may hold a person's voice.
 
-    `audible` says how loud the robot plays now, root mean square; its echo goes on for `tail_s`.
-    By a `margin` a voice must exceed the echo that is expected. With `shut` False all passes.
+    Args:
+        audible: How loud the robot plays now, root mean square, 0 to 1.
+        shut: False lets every frame pass.
+        tail_s: How long the echo lasts after the sound, in seconds.
+        margin: By how many times a voice must exceed the expected echo.
     """
 
     def __init__(

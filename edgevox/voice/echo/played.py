@@ -1,7 +1,7 @@
-"""What the loudspeaker plays, kept for a few seconds by the time at which it is heard.
+"""The played sound of the last few seconds, by the time at which it is heard.
 
-A sink adds what it really plays, after every change of rate and volume; an echo canceller asks for
-what was played while a frame was captured. Nobody waits for the other.
+A sink adds its real output, after every change of rate and volume; an echo canceller asks for the
+sound that played while a frame was captured. Neither waits for the other.
 """
 
 from collections import deque
@@ -48,7 +48,7 @@ class PlayedSound:
         self._new.append(_Piece(samples, rate_hz, start_s))
 
     def cut(self, at_s: float) -> None:
-        """What was added for this time and later is not played after all."""
+        """Remove the sound that was added for this time and later: it is not played after all."""
         self._new.append(_Cut(at_s))
 
     def between(self, start: int, count: int) -> Samples:
@@ -81,7 +81,7 @@ class PlayedSound:
         self._joins_s = (self._joins_s or 0.0) + piece.samples.size / piece.rate_hz
 
     def _begin(self, position: int) -> None:
-        """What is appended next stands here; before it there is silence."""
+        """Let the next samples begin at this position; before it there is silence."""
         gap = position - self._end
         if gap > KEPT_S * RATE_HZ:
             self._kept = np.zeros(0, np.int16)

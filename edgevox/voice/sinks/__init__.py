@@ -1,4 +1,4 @@
-"""Where speech goes: a sound card, a WAV file, ROS 2, or nowhere.
+"""Destinations of speech: a sound card, a WAV file, ROS 2, or nowhere.
 
 `PacedSink` plays against the clock into any `PacedOutput`; `SoundCardSink` plays at the card's
 pace. `open_sink` chooses by the setting `audio_out`.

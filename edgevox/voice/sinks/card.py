@@ -1,8 +1,7 @@
-"""A loudspeaker of this machine; one that is missing or pulled out is said and tried again.
+"""A loudspeaker of this machine; a missing or unplugged one is reported and tried again.
 
-Between speech output and sound card: what is to be played next, and when it will be heard.
-
-Playing with PortAudio, at the rate that the device has by itself.
+`CardQueue`, between speech output and sound card, holds the sound to play next, and knows when it
+will be heard. PortAudio plays at the device's own rate.
 """
 
 import threading
@@ -36,14 +35,14 @@ log = get_logger(__name__)
 
 _FIRST_DELAY_S = 0.05
 _LEAST_DELAY_S = 0.02
-"""No card plays sooner what it asks for. For an echo canceller, which learns the rest of the delay,
-sound may be said to be heard too early but never too late: what cards tell of it is not exact."""
+"""The least delay of a card. An echo canceller learns the rest of the delay, so a reported time
+may be too early but never too late: cards report it inexactly."""
 
 
 class CardQueue:
-    """Filled with speech, emptied by the card's own thread, which never waits for more than this.
+    """The queue between speech and the card's own thread, which waits for nothing but the lock.
 
-    A card plays without end; where there is nothing to play, it plays silence.
+    A card plays without end; while the queue is empty, it plays silence.
     """
 
     def __init__(self, clock: Clock, played: PlayedSound | None = None) -> None:
@@ -108,13 +107,13 @@ class CardQueue:
             return left_s
 
     def left_s(self) -> float:
-        """For how long there is still something to be heard."""
+        """Return for how many seconds there is still sound to hear."""
         with self._lock:
             return max(0.0, self._end_s - self._clock.now())
 
     @property
     def level(self) -> float:
-        """How loud the last samples are that the card was given."""
+        """The level of the last samples that the card was given."""
         return self._level
 
 
@@ -200,10 +199,10 @@ Raises `DeviceMissing`.
 
 
 class SoundCardSink:
-    """Plays on the device whose name is, or contains, `device`; on the default if empty.
+    """Plays on the device whose name is, or contains, `device`; on the default one if empty.
 
-    It is opened at once. While it is missing, speech takes its time in silence. What it plays is
-    told to `played`.
+    The device is opened at once. While it is missing, speech takes its time in silence. `played` is
+    told what was played.
     """
 
     def __init__(
@@ -234,7 +233,7 @@ class SoundCardSink:
 
     @property
     def fault(self) -> str:
-        """Why nothing can be heard of it now, as of the last sentence; empty while it plays."""
+        """The reason why nothing can be heard, as of the last sentence; empty while it plays."""
         stream = self._stream
         return self._fault if stream is None or self._alive() else f"{stream.name} plays no more"
 

@@ -1,8 +1,7 @@
 """A sink that plays against the clock: speech takes the time that it would take in a room.
 
-Where a paced sink puts its sound, and the output that keeps nothing.
-
-What every sink needs: to wait against a clock, to change rates, to know how loud it is.
+`PacedOutput` takes its sound; `Silence` keeps none. Also here, for every sink: waiting against a
+clock, changing the rate, and the loudness over time.
 """
 
 import threading
@@ -26,12 +25,12 @@ class PacedOutput(Protocol):
     name: str
     rate_hz: int
     block_s: float
-    """How much sound it is given at once."""
+    """Seconds of sound in each write."""
     lead_s: float
-    """How early it is given its sound."""
+    """Seconds by which each write comes before its sound is due."""
 
     def write(self, samples: Samples, start_s: float) -> None:
-        """Sound at `rate_hz` that is heard from the clock's time `start_s` on."""
+        """Play samples at `rate_hz`, audible from the clock's time `start_s` on."""
 
     def close(self) -> None: ...
 
@@ -50,13 +49,13 @@ class Silence:
 
 
 AHEAD_S = 0.1
-"""How much sound a sink takes before it blocks."""
+"""Seconds of sound that a sink takes before it blocks."""
 
 NOTHING_S = 1e-6
 """Less than this is not worth waiting for, and might not move a clock at all."""
 
 Wait = Callable[[CancelToken, float], bool]
-"""Sleep for so many seconds or until cancelled; True if cancelled."""
+"""Sleeps for some seconds or until cancelled; returns True if cancelled."""
 
 
 def real_wait(token: CancelToken, seconds: float) -> bool:
@@ -73,7 +72,7 @@ class RateChanger:
         self._engine: Resampler | None = None
 
     def push(self, chunk: Chunk) -> Samples:
-        """What can be played now; the rest comes with the next chunk or with `flush`."""
+        """Return the samples that are ready; the rest comes with the next chunk or with `flush`."""
         before = np.empty(0, np.int16)
         if self._engine is None or chunk.rate_hz != self._from_hz:
             before = self.flush()
@@ -82,19 +81,19 @@ class RateChanger:
         return np.concatenate([before, self._engine.push(chunk.samples)])
 
     def flush(self) -> Samples:
-        """What was still inside; the next chunk begins anew."""
+        """Return the samples that were still inside; the next chunk starts afresh."""
         engine, self._engine = self._engine, None
         return engine.flush() if engine else np.empty(0, np.int16)
 
 
 class Loudness:
-    """How loud a sink is at a moment, by the sound that it was given for it."""
+    """The loudness of a sink over time, from the sound that it was given."""
 
     def __init__(self) -> None:
         self._blocks: deque[tuple[float, float]] = deque(maxlen=1024)
 
     def add(self, end_s: float, samples: Samples) -> None:
-        """Sound that is heard until `end_s`, right after what was added before."""
+        """Add sound that is heard until `end_s`, right after the sound before."""
         self._blocks.append((end_s, rms(samples)))
 
     def at(self, now_s: float) -> float:
@@ -104,15 +103,15 @@ class Loudness:
         return self._blocks[0][1] if self._blocks else 0.0
 
     def clear(self) -> None:
-        """Nothing more is heard."""
+        """Forget all sound: nothing more is heard."""
         self._blocks.clear()
 
 
 class PacedSink:
-    """Gives an output its sound when it is due, and forgets what was not due when it is stopped.
+    """Gives an output its sound when it is due; a stop drops the sound that is not due yet.
 
-    What an output was given early (`PacedOutput.lead_s`) it may still play after a stop. What it
-    plays is told to `played`.
+    Sound that the output got early (`PacedOutput.lead_s`) may still play after a stop. `played` is
+    told what was played.
     """
 
     def __init__(
@@ -137,7 +136,7 @@ class PacedSink:
 
     @property
     def fault(self) -> str:
-        """Why what is played goes nowhere at the moment; empty otherwise."""
+        """The reason why the sound goes nowhere at the moment; empty otherwise."""
         return fault_of(self._output)
 
     def play(self, chunk: Chunk, token: CancelToken) -> float:

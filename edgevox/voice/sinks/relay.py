@@ -1,4 +1,4 @@
-"""Speech handed to whoever plays it elsewhere, such as a speaker node of ROS 2."""
+"""Speech handed to another player, such as a speaker node of ROS 2."""
 
 from collections.abc import Callable
 
@@ -6,13 +6,13 @@ from edgevox.voice.audio import RATE_HZ, Samples
 
 BLOCK_S = 0.04
 LEAD_S = 0.06
-"""So much waits in the other loudspeaker's queue, and is still heard after a stop."""
+"""Seconds of sound that wait in the other player's queue, and are still heard after a stop."""
 
 
 class Relay:
     """An output that sends its sound on at 16 kHz, in blocks, a little before they are due.
 
-    Between utterances it sends nothing. What comes before `connect` is lost.
+    Between utterances it sends nothing. Sound before `connect` is lost.
     """
 
     name = "audio_out"
@@ -24,7 +24,7 @@ class Relay:
         self._send: Callable[[Samples], None] | None = None
 
     def connect(self, send: Callable[[Samples], None]) -> None:
-        """From now on, every block goes there, on the thread of whoever speaks."""
+        """Send every block to `send` from now on, on the thread that speaks."""
         self._send = send
 
     def write(self, samples: Samples, start_s: float) -> None:  # noqa: ARG002

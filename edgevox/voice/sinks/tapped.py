@@ -1,4 +1,4 @@
-"""A sink that lets others hear, too, what is played on the one that was chosen."""
+"""A sink that lets other listeners hear what plays on the chosen sink."""
 
 import threading
 from collections.abc import Callable
@@ -14,17 +14,19 @@ from edgevox.voice.sinks.paced import RateChanger
 
 @dataclass(frozen=True, slots=True)
 class Tap:
-    """Who hears along: samples at 16 kHz, up to 0.2 s before they are due, and that it was cut.
+    """A listener to the played sound.
 
-    Both are called on the thread that speaks and must not block.
+    Its calls come on the thread that speaks and must not block.
     """
 
     hear: Callable[[Samples], None]
+    """Takes samples at 16 kHz, up to 0.2 s before they are due."""
     cut: Callable[[], None]
+    """Called when the sound was cut."""
 
 
 class TappedSink:
-    """Plays on `sink`, as if it were alone. While nobody hears along, that costs nothing."""
+    """Plays on `sink`, as if it were alone. Without listeners, taps cost nothing."""
 
     def __init__(self, sink: AudioSink) -> None:
         self.name = sink.name
@@ -35,7 +37,7 @@ class TappedSink:
 
     @property
     def fault(self) -> str:
-        """Why what is played on the chosen sink goes nowhere; empty otherwise."""
+        """The reason why the chosen sink's sound goes nowhere; empty otherwise."""
         return fault_of(self._sink)
 
     def tap(self, tap: Tap) -> Callable[[], None]:
@@ -69,7 +71,7 @@ class TappedSink:
         self._sink.close()
 
     def _tell(self, chunk: Chunk | None) -> None:
-        """Give the taps this chunk; the end of what is said without one."""
+        """Give the taps this chunk; None for the end of the utterance."""
         with self._lock:
             taps = self._taps
             if not taps:

@@ -19,16 +19,16 @@ log = get_logger(__name__)
 RATE_HZ = 24_000
 """No voice has a higher one."""
 RETRY_S = 5.0
-"""How long a file system that failed is left alone."""
+"""Seconds before a file system that failed is tried again."""
 _MOST_BYTES = 0xFFFF_FFFF - HEADER_BYTES
 
 
 class WavFile:
-    """A WAV file that is right after every write, even if the process is killed after it.
+    """A WAV file that is valid after every write, even if the process is killed after it.
 
-    The file starts at the clock's time of its opening; between what is written there is silence.
-    While the file system fails, what would be written is dropped: that is said once, in `fault`
-    and in the log, and tried again every few seconds. What was written before stays as it is.
+    The file starts at the clock's time of its opening; silence fills the gaps between sounds. While
+    the file system fails, sound is dropped: that is reported once, in `fault` and in the log, and
+    tried again every few seconds. Sound that was written before stays.
     """
 
     name = "file"
@@ -57,7 +57,7 @@ class WavFile:
         self._put(samples, max(self._written, position))
 
     def append(self, samples: Samples) -> None:
-        """Sound right after what was written."""
+        """Write sound right after the sound before."""
         self._put(samples, self._written)
 
     def close(self) -> None:
@@ -101,7 +101,7 @@ class WavFile:
 
 
 class UnpacedWav:
-    """A sink that writes at once whatever it is given: for whoever does not want to wait."""
+    """A sink that writes at once, without pacing, for callers that do not want to wait."""
 
     name = "file"
 
@@ -113,7 +113,7 @@ class UnpacedWav:
 
     @property
     def fault(self) -> str:
-        """Why nothing goes into the file at the moment; empty otherwise."""
+        """The reason why nothing goes into the file at the moment; empty otherwise."""
         return self._file.fault
 
     def play(self, chunk: Chunk, token: CancelToken) -> float:
@@ -139,7 +139,7 @@ class UnpacedWav:
 
 
 def _header(data_bytes: int) -> bytes:
-    """Of a WAV file: PCM, mono, 16 bit."""
+    """Return the header of a WAV file: PCM, mono, 16 bit."""
     return struct.pack(
         "<4sI4s4sIHHIIHH4sI",
         *(b"RIFF", data_bytes + HEADER_BYTES - 8, b"WAVE"),

@@ -1,4 +1,4 @@
-"""Where sound comes from: a sound card, WAV files, somebody who pushes it, or nowhere.
+"""Sources of sound: a sound card, WAV files, a program that pushes it, or none.
 
 Each is an `AudioSource` of `edgevox.voice.audio`; `open_source` chooses one by its name.
 """

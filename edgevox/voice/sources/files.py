@@ -17,8 +17,8 @@ GAP_S = 1.0
 class WavFiles:
     """Plays files one after the other into the listener.
 
-    Paced, a frame is there when the clock reaches its end; else at once. Either way a frame's time
-    is that of its samples, counted from `start`. At the end `read` raises `EndOfSound`.
+    If `paced`, a frame is ready when the clock reaches its end; else at once. A frame's time is
+    always that of its samples, counted from `start`. At the end `read` raises `EndOfSound`.
     """
 
     def __init__(

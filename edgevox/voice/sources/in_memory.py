@@ -1,4 +1,4 @@
-"""Sound that is in memory already, for tests and benchmarks."""
+"""A source of sound that is in memory already, for tests and benchmarks."""
 
 from edgevox.core.clock import Clock, SystemClock
 from edgevox.voice.audio import FRAME_S, FRAME_SAMPLES, EndOfSound, Frame, Samples
@@ -7,8 +7,8 @@ from edgevox.voice.audio import FRAME_S, FRAME_SAMPLES, EndOfSound, Frame, Sampl
 class InMemory:
     """Plays samples at 16 kHz as fast as they are read, `times` over, then raises `EndOfSound`.
 
-    A frame's time is that of its samples, counted from `start`. What is not a whole frame at the
-    end is left out.
+    A frame's time is that of its samples, counted from `start`. An incomplete frame at the end is
+    left out.
     """
 
     name = "memory"
@@ -23,7 +23,7 @@ class InMemory:
 
     @property
     def heard_s(self) -> float:
-        """How much was read by now, in seconds of sound."""
+        """Seconds of sound that were read so far."""
         return self._read * FRAME_S
 
     def start(self) -> None:

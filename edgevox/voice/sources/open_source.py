@@ -1,7 +1,4 @@
-"""Which source a setting means.
-
-No microphone at all.
-"""
+"""The source that a setting names, and a source without a microphone."""
 
 import threading
 from pathlib import Path

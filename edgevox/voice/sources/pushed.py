@@ -1,4 +1,4 @@
-"""A source that others fill: a callback of the sound card, a subscriber of ROS 2."""
+"""A source that a callback fills: of the sound card, or of a ROS 2 subscription."""
 
 import threading
 from collections import deque
@@ -11,8 +11,8 @@ from edgevox.voice.audio import Frame, Framer, Samples, UtteranceOver
 log = get_logger(__name__)
 
 MAX_FRAMES = 64
-"""2 s of sound may wait to be read; of more, the oldest is dropped and counted. That somebody has
-ended is not."""
+"""2 s of sound may wait to be read; beyond that, the oldest frame is dropped and counted. The
+end of an utterance is never dropped."""
 
 
 class Pushed:
@@ -28,10 +28,10 @@ class Pushed:
         self._closed = False
 
     def start(self) -> None:
-        """Nothing to do: whoever pushes decides when."""
+        """Do nothing: the pushing program decides when sound comes."""
 
     def push(self, samples: Samples, *, addressed: bool = False) -> None:
-        """Mono samples at 16 kHz whose last one is being heard now; see `Frame.addressed`."""
+        """Take mono samples at 16 kHz, the last one heard now; see `Frame.addressed`."""
         frames = list(self._framer.push(samples, self._clock.now()))
         with self._arrived:
             if self._closed or not frames:
@@ -46,15 +46,15 @@ class Pushed:
             self._count(lost)
 
     def interrupted(self) -> None:
-        """What is pushed next does not follow on what was pushed last."""
+        """Mark a gap: the next samples do not follow on the last."""
         self._framer.reset()
 
     def end(self) -> None:
-        """Who speaks has ended, after what was pushed last."""
+        """End the utterance after the samples that were pushed last."""
         self._put(UtteranceOver(self.name, abandoned=False))
 
     def abandon(self) -> None:
-        """Who spoke is gone: what was not read yet is forgotten."""
+        """Abandon the utterance: the speaker is gone, and unread sound is forgotten."""
         self._put(UtteranceOver(self.name, abandoned=True))
 
     def read(self, timeout_s: float) -> Frame | None:
@@ -88,7 +88,7 @@ class Pushed:
             self._arrived.notify()
 
     def _drop_oldest(self) -> None:
-        """Drop the oldest frame; who ended before it has ended all the same, once."""
+        """Drop the oldest frame; an utterance's end among the dropped items is kept, once."""
         over = None
         while isinstance(first := self._frames.popleft(), UtteranceOver):
             over = first if over is None or first.abandoned else over

@@ -1,7 +1,4 @@
-"""A microphone of this machine; one that is missing or pulled out is said and tried again.
-
-Capturing with PortAudio, at the rate that the device can do.
-"""
+"""A microphone of this machine; a missing or unplugged one is reported and tried again."""
 
 import threading
 from collections.abc import Callable, Iterator
@@ -120,13 +117,13 @@ class SoundCard:
         self._heard_s = 0.0
         self._is_news = ChangeDetector()
         self.fault = ""
-        """Why nothing is heard now; empty while the device is open."""
+        """The reason why nothing is heard now; empty while the device is open."""
         self._closing = threading.Event()
         self._thread = threading.Thread(target=self._keep_open, name="edgevox-microphone")
 
     @property
     def dropped(self) -> int:
-        """Frames that nobody read in time."""
+        """Frames that were not read in time."""
         return self._queue.dropped
 
     def start(self) -> None:

@@ -1,10 +1,10 @@
-"""What hears a stop word by its sound, and when its word counts.
+"""The interface of a stop word detector, and the rule when a detected word counts.
 
-The robot must not stop itself: it says "Stopped.", and reads "stop" from the list of its skills.
-So while it is audible a stop word counts if it cannot be the robot's own, by either of two signs:
-nothing that it says now sounds like a stop word, or the microphone was louder than the echo
-explains, for as long as a voice must be to interrupt it. Where nothing is known of what it says, or
-of how loud, the robot stops.
+The robot must not stop itself: it says "Stopped.", and reads "stop" from the list of its skills. So
+while it is audible, a stop word counts only if it cannot be the robot's own, by either of two
+signs: its current words do not sound like a stop word, or the microphone was louder than the echo
+explains, for as long as a voice needs to interrupt it. Where the words or the loudness are unknown,
+the robot stops.
 """
 
 from collections import deque
@@ -31,15 +31,18 @@ class StopDetector(Protocol):
 
     @property
     def likelihood(self) -> float:
-        """How likely one had just been said when its network was asked last, 0 to 1."""
+        """The likelihood of a stop word at the network's last look, 0 to 1."""
 
     def heard(
         self, samples: Samples, probability: float, language: str, *, playing: bool = False
     ) -> bool:
-        """Whether a stop word has just been said, once for each; 512 samples of int16 at 16 kHz,
-        how likely they hold a voice, and the ISO 639-1 code of the language that is spoken.
+        """Return whether a stop word has just been said, once for each word.
 
-        While the robot itself may be audible, it is `playing`, any frame may hold a voice.
+        Args:
+            samples: The next 512 samples, int16 at 16 kHz.
+            probability: The probability that they hold a voice, 0 to 1.
+            language: The ISO 639-1 code of the language that is spoken.
+            playing: The robot itself may be audible, so any frame may hold a voice.
         """
 
     def forget(self) -> None:
@@ -47,10 +50,10 @@ class StopDetector(Protocol):
 
 
 class StopWatch:
-    """Tells for each frame whether somebody has just said a stop word who is not the robot.
+    """Tells for each frame whether a person, and not the robot, has just said a stop word.
 
-    `saying` is what the robot says now, or has just said. A detector that fails costs its frame,
-    which is counted: nobody goes deaf by it.
+    `saying` is what the robot says now, or has just said. A detector's error costs one frame and is
+    counted; hearing goes on.
     """
 
     def __init__(
@@ -64,7 +67,7 @@ class StopWatch:
 
     @property
     def word(self) -> str:
-        """Which stop word that was."""
+        """The stop word that was said last."""
         return self._detector.word
 
     def heard(self, samples: Samples, probability: float, *, playing: bool, loud: bool) -> bool:
@@ -97,7 +100,7 @@ class StopWatch:
 
 
 def may_stop(text: str, language: str) -> bool:
-    """Whether somebody who hears this text may hear a stop word, a part of a word too."""
+    """Return whether a listener may hear a stop word in this text, even as a part of a word."""
     said = text.casefold()
     tables = (STOP_WORDS[language], STOP_WORDS["en"])
     return any(word in said for table in tables for word in (*table.anywhere, *table.last))

@@ -1,19 +1,16 @@
-"""The network of the stop word spotter, as it runs, in NumPy: how likely each word was just said.
+"""The network of the stop word spotter, in NumPy: the likelihood that each word was just said.
 
-It takes what Whisper's encoder makes of the last second. Two convolutions over time follow, then
-four weighted means over time and the mean of the last 0.16 s, and of those the likelihoods.
-
-What the stop word spotter looks at: the last 1.1 s of sound, as Whisper's encoder hears them.
+It takes the output of Whisper's encoder for the last 1.1 s of sound. Two convolutions over time
+follow, then four weighted means over time and the mean of the last 0.16 s, and from those the
+likelihoods.
 
 Whisper's smallest English network was trained on the speech of very many people in all kinds of
-places; what its encoder makes of a sound tells words apart in noise far better than anything that
-can be learnt from the voices here. It takes 3 to 4 ms for so short a sound, which it was not made
-for: what it says of it is learnt anew by `stop_network`.
+places; its encoder's output tells words apart in noise far better than features that can be learnt
+from the voices here. It takes 3 to 4 ms for such a short sound. Whisper was not made for sounds so
+short, so this network is trained on what the encoder makes of them.
 
-Matrix products on the thread that asks for them.
-
-NumPy's library spreads large ones over all cores; where these are busy, it waits for them, and what
-takes 0.2 ms takes 50. What is cut into small ones it computes at once.
+The matrix products stay on the calling thread. NumPy's library spreads large ones over all cores;
+where these are busy, it waits for them, and 0.2 ms become 50. Small ones it computes at once.
 """
 
 import functools
@@ -36,7 +33,7 @@ MOST = 250_000
 
 
 def product(rows: NDArray[np.float32], matrix: NDArray[np.float32]) -> NDArray[np.float32]:
-    """Of rows (n, k), one after the other, and a matrix (k, m): shape (n, m)."""
+    """Multiply the rows (n, k), a few at a time, by a matrix (k, m): shape (n, m)."""
     found = np.empty((len(rows), matrix.shape[1]), np.float32)
     together = max(1, MOST // matrix.size)
     for first in range(0, len(rows), together):
@@ -53,9 +50,9 @@ BANDS, WINDOW_SAMPLES, HOP_SAMPLES = 80, 400, 160
 """Whisper's own: 25 ms of sound every 10 ms."""
 _ROWS = 112
 SAMPLES = WINDOW_SAMPLES + (_ROWS - 1) * HOP_SAMPLES
-"""How much sound it looks at, 1.135 s at 16 kHz."""
+"""The length of sound that the network looks at: 1.135 s at 16 kHz."""
 STEPS, CHANNELS = _ROWS // 2, 384
-"""What comes of that: a step in 20 ms."""
+"""The encoder's output for it: one step in 20 ms."""
 RANGE = 8.0  # what is softer than the loudest by more than so many powers of ten is not heard
 LOUDEST = 0.5  # how loud the loudest always is, in powers of ten
 LEAST = 1e-10  # what is softer is as soft as this
@@ -63,9 +60,9 @@ _TAPER = np.hanning(WINDOW_SAMPLES + 1)[:-1].astype(np.float32)
 
 
 def bands_of(sound: Samples) -> Floats:
-    """How loud Whisper's bands are in `SAMPLES` samples, shape (`BANDS`, rows).
+    """Return the loudness of Whisper's bands in `SAMPLES` samples, shape (`BANDS`, rows).
 
-    The loudest is always the same, so how loud one speaks does not matter.
+    The loudest is always the same, so the loudness of the speaker does not matter.
     """
     scaled = sound.astype(np.float32) / FULL_SCALE
     windows = np.lib.stride_tricks.sliding_window_view(scaled, WINDOW_SAMPLES)[::HOP_SAMPLES]
@@ -78,7 +75,7 @@ def bands_of(sound: Samples) -> Floats:
 
 @functools.cache
 def _bands() -> Floats:
-    """What each frequency is to each band, shape (frequencies, `BANDS`)."""
+    """Return the weight of each frequency in each band, shape (frequencies, `BANDS`)."""
     from faster_whisper.feature_extractor import FeatureExtractor
 
     return np.ascontiguousarray(FeatureExtractor(feature_size=BANDS).mel_filters.T, np.float32)
@@ -89,12 +86,11 @@ class EncoderNotLoaded(EdgeVoxError):
 
 
 class StopEncoder:
-    """Whisper's encoder, from its folder, loaded when it is first asked.
+    """Whisper's encoder, from its folder, loaded at the first use.
 
-    Where that fails it is not tried again: who looks every 64 ms would do nothing else.
-
-    `added` is what its arrays are to be more than Whisper's, by their names. It computes on one
-    core, beside the one that transcribes: who waited for that would be late.
+    A failed load is not tried again: with a look every 64 ms it would do nothing else. `added` maps
+    names of the encoder's arrays to what is added to Whisper's weights. It computes on one core,
+    beside the transcribing engine: waiting for that engine would make it late.
     """
 
     def __init__(self, folder: Path, added: Mapping[str, Added]) -> None:
@@ -102,7 +98,7 @@ class StopEncoder:
         self._added = added
 
     def of(self, sounds: Sequence[Samples]) -> Floats:
-        """Of `SAMPLES` samples each, shape (sounds, `STEPS`, `CHANNELS`).
+        """Encode sounds of `SAMPLES` samples each, to shape (sounds, `STEPS`, `CHANNELS`).
 
         Raises `EncoderNotLoaded`.
         """
@@ -135,7 +131,7 @@ WEIGHTS_FILE = "stop_spotter.npz"
 LANGUAGES_FILE = "stop_spotter_languages.npz"
 """The other languages, on the encoder of that."""
 LAST_STEPS = 8
-"""So many steps at the end are looked at by themselves, too."""
+"""The last steps (0.16 s) whose mean is a feature of its own."""
 _LEAST_VARIANCE = 1e-5
 _LAYERS = ("reduce", "first", "second", "attend", "hidden", "last")
 
@@ -154,20 +150,21 @@ class StopLayer:
 
 @dataclass(frozen=True, slots=True)
 class StopWeights:
-    """Of the whole network; `words` are its outputs, the first one for none.
-
-    `scale` and `shift` belong to the norm over channels, `place` (steps, channels) tells steps
-    apart. `added` is what the encoder's arrays are to be more than Whisper's, by their names. From
-    `threshold` on, a word counts as said.
-    """
+    """The weights of the whole network."""
 
     words: tuple[str, ...]
+    """The outputs' words; the first stands for no word."""
     scale: Floats
+    """Of the norm over channels."""
     shift: Floats
+    """Of the norm over channels."""
     place: Floats
+    """Added to each step, so that the network can tell steps apart: shape (steps, channels)."""
     layers: Mapping[str, StopLayer]
     added: Mapping[str, Added]
+    """What is added to the encoder's weights, by array name."""
     threshold: float
+    """The likelihood from which a word counts as said."""
 
 
 def likelihoods(known: StopWeights, encoded: Floats) -> Floats:
@@ -207,22 +204,25 @@ def read_weights(file: Path | None = None) -> StopWeights:
 
 
 def read_language_weights(file: Path | None = None) -> dict[str, StopWeights]:
-    """Those of the other languages, by their ISO 639-1 codes; of a file, else the package's.
+    """Read the other languages' weights, by ISO 639-1 code; from a file, else from the package.
 
-    They are of one network, of which each language has its own outputs; nothing is added to the
-    encoder for them.
+    The languages share one network, with outputs of their own; nothing is added to the encoder for
+    them.
     """
     return language_weights_of(_arrays(file, LANGUAGES_FILE))
 
 
 def weights_of(data: Mapping[str, Any]) -> StopWeights:
-    """From the arrays of their file, which keeps them in half precision."""
+    """Build the weights from their file's arrays, which are in half precision."""
     words = tuple(str(word) for word in data["words"])
     return _weights(data, words, added_of(data), float(data["threshold"]))
 
 
 def language_weights_of(data: Mapping[str, Any]) -> dict[str, StopWeights]:
-    """Those of each language, from the arrays of the file of all; they share what is not theirs."""
+    """Build each language's weights from the arrays of their common file.
+
+    They share the other layers.
+    """
     words = tuple(str(word) for word in data["words"])
     whole = _weights(data, words, {}, 0.0)
     last = whole.layers["last"]

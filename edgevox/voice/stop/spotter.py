@@ -1,17 +1,16 @@
-"""Hears "stop", "halt" and "freeze" in running sound, without waiting for the end of what is said,
-and a few words of other languages where those are spoken.
+"""The stop word spotter: hears "stop", "halt" and "freeze" before the utterance ends.
 
-Where it thinks of an English one, Whisper is asked what was just said: the odds of the first,
-squared, times the likelihood that the second finds decide. In quiet they must be higher than in
-noise, where fewer would be heard then. English stop words count whatever language is spoken. It
-stops wherever one of them is said, as in "do not stop" too: when in doubt, it stops. What the
-network was trained on and how well it hears is in training/spotter/README.md.
+It also hears a few words of other languages while those are spoken. English stop words count
+whatever language is spoken. It stops for a word in any sentence, even in "do not stop": when in
+doubt, it stops. The network's training data and results are in training/spotter/README.md.
 
-How likely Whisper finds it that a stop word was just said, where the spotter thinks of one.
+A possible English word gets a second look: Whisper is asked for the latest words. The squared odds
+of the network, times the likelihood that Whisper gives to a stop word, decide. In quiet the limit
+is higher than in noise, where fewer stop words would be heard with it.
 
-The spotter's network looks at a second and knows three words; in noise, "Never step back" may be
-one to it. Whisper looks at more and knows all words. It makes a few hypotheses of the last seconds,
-as `whisper` does of an utterance, but is told of no commands: those it would hear everywhere.
+The network looks at a second of sound and knows three words; in noise, "Never step back" may be one
+to it. Whisper looks at more sound and knows all words. It makes a few hypotheses of the last
+seconds, as for an utterance, but its prompt holds no commands: those it would hear everywhere.
 """
 
 import functools
@@ -42,25 +41,26 @@ log = get_logger(__name__)
 
 
 LOOKED_AT = int(2.6 * RATE_HZ)
-"""Samples: a stop word and what was said before it."""
+"""Samples of a stop word and the speech before it."""
 _STOP_WORD = re.compile(r"\b(stop|stops|stopped|halt|freeze|frees)\b", re.IGNORECASE)
 
 
 class SecondLook:
-    """Whisper's smallest English model, from its folder, loaded when it is first asked.
+    """Whisper's smallest English model, from its folder, loaded at the first use.
 
-    It is not the one that transcribes: who says "stop" does not wait for what was said before. It
-    may be asked from any thread.
+    It is not the one that transcribes: "stop" must not wait for earlier utterances. It may be asked
+    from any thread.
     """
 
     def __init__(self, folder: Path) -> None:
         self._whisper = Whisper(lambda _: folder, threads=1)
 
     def likelihood(self, sound: Samples) -> float:
-        """Of all that may have been said in the last `LOOKED_AT` samples, what of the likelihood
-        has a stop word, 0 to 1; mostly little, as much may be said. Takes some 45 ms of a core.
+        """Return the share of hypotheses that hold a stop word, by their likelihood, 0 to 1.
 
-        Raises `EdgeVoxError` where the model cannot be loaded.
+        Looks at the last `LOOKED_AT` samples. The share is usually small, because many sentences
+        are possible. Takes some 45 ms of a core. Raises `EdgeVoxError` if the model cannot be
+        loaded.
         """
         found = self._whisper.hypotheses(sound, "en")
         return sum(math.exp(one.whole) for one in found if _STOP_WORD.search(one.text))
@@ -70,32 +70,36 @@ ENGLISH = "en"
 LOOKS_EVERY = 2
 """Frames of sound from one look to the next, 64 ms."""
 SMOOTHED_LOOKS = 3
-"""The mean of so many looks counts: no single one stops a robot."""
+"""The number of looks whose mean counts: no single look stops a robot."""
 REST_S = 0.6
-"""After a word none counts for so long, so that one word is one stop."""
+"""Seconds after a word in which no other counts, so that one word is one stop."""
 ASKS_FROM, MOST_ASKED = 0.3, 8
-"""From this likelihood on it asks for a second look, so many times for what may be one word; and
-whenever the network is sure, as of who shouts "stop" again and again."""
+"""The likelihood from which the judge asks for a second look, and the most looks for what may be
+one word. It also asks whenever the network is sure, as when a person shouts "stop" again and
+again."""
 LEAST_ODDS = 0.14
-"""The odds of the network, as 3 for 0.75, squared, times the likelihood of the second look: from
-here on a word counts. Squared, as Whisper finds words in voices that talk at once, too. By it is
-chosen how much is heard, and how often it stops for nothing: see training/spotter/README.md."""
+"""The odds of the network (3 for 0.75), squared, times the likelihood of the second look: from
+here on a word counts. Squared, because Whisper finds words in voices that talk at once, too.
+This number sets how many words are heard, and how many false stops there are: see
+training/spotter/README.md."""
 NOISY_DB, QUIET_DB, QUIET_TIMES = 15.0, 25.0, 30.0
-"""Where what is said stands out by so much and less from what is around they are those; they rise
-from there, and are so many times as high where it stands out by so much and more."""
+"""Decibels by which speech stands out of the background. At the lower one, or below, the least
+odds apply as they are; they rise from there, and are this many times as high at the upper one
+and above."""
 _UNSURE, _UNHEARD = 1e-3, 1e-4
-"""How sure at most the network is believed to be, and how little the second look may find."""
+"""Bounds of belief: the network's doubt is at least the first, the second look's likelihood at
+least the second."""
 
 SecondLikelihood = Callable[[Samples], float]
-"""How likely a stop word is in the last `LOOKED_AT` samples, 0 to 1."""
+"""The likelihood that a stop word is in the last `LOOKED_AT` samples, 0 to 1."""
 
 
 class StopJudge:
-    """Decides, from what the network says at every look, when a word has been said.
+    """Decides, from the network's likelihoods at every look, when a word has been said.
 
-    From its `threshold` on where nobody looks a second time, else by the odds of both. What is
-    left of a word that has counted is none, unless the network is sure.
-    `likelihood` is how likely one was at the last look, 0 to 1; `word` the one that was said last.
+    Without a second look, a word counts from `threshold` on; else by the odds of both looks. The
+    remains of a word that has counted do not count again, unless the network is sure. `likelihood`
+    is the one at the last look, 0 to 1; `word` is the word that was said last.
     """
 
     def __init__(
@@ -120,10 +124,12 @@ class StopJudge:
         second: Callable[[], float | None] | None = None,
         stands_out: Callable[[], float | None] = lambda: None,
     ) -> bool:
-        """Whether one has just been said: the likelihoods of the words, or None between looks.
+        """Return whether a word has just been said.
 
-        `second` says how likely one is at a second look; None where that failed. `stands_out` says
-        by how many dB what is said is louder than what is around; None where nobody knows.
+        Args:
+            look: The likelihoods of the words; None between looks.
+            second: The likelihood at a second look; None where that failed.
+            stands_out: Decibels by which speech is louder than the background; None if unknown.
         """
         found = False
         if look is not None:
@@ -137,7 +143,7 @@ class StopJudge:
 
     @property
     def resting(self) -> bool:
-        """Whether one was said so recently that none counts now."""
+        """Whether a word was said so recently that none counts now."""
         return self._once.resting
 
     def _is_one(
@@ -160,19 +166,19 @@ class StopJudge:
         return odds**2 * (found + _UNHEARD) >= self._least_odds * _times(stands_out())
 
     def rest(self) -> None:
-        """Nobody speaks: what was looked at before does not count any more."""
+        """Forget the looks so far: nobody speaks."""
         self._recent.clear()
         self.likelihood, self._asked, self._left_over = 0.0, 0, False
         self._once.counts(False)
 
     def forget(self) -> None:
-        """What comes next does not follow on what was before."""
+        """Forget the sound so far: the next does not follow on it."""
         self.rest()
         self._once.forget()
 
 
 def _times(stands_out_db: float | None) -> float:
-    """How many times as high the odds must be as in noise."""
+    """Return the factor on the odds, relative to noise."""
     if stands_out_db is None:
         return 1.0
     quiet = (stands_out_db - NOISY_DB) / (QUIET_DB - NOISY_DB)
@@ -180,10 +186,10 @@ def _times(stands_out_db: float | None) -> float:
 
 
 class StopSpotter:
-    """Told every frame of what is heard, it says when a stop word has just been said.
+    """Spots a stop word in running sound, frame by frame.
 
-    `weights` are English, `others` those of other languages by their codes. `second` is asked where
-    it thinks of an English word, if there is one. Used from one thread.
+    Used from one thread. `weights` are for English, `others` for other languages by ISO 639-1 code.
+    `second`, if given, confirms a possible English word.
     """
 
     def __init__(
@@ -244,12 +250,12 @@ class StopSpotter:
         return True
 
     def warm_up(self) -> None:
-        """Load what it needs, so that the first who says a word does not wait for it."""
+        """Load all parts, so that the first stop word does not wait for it."""
         self._looks(ENGLISH)
         self._looked_again()
 
     def forget(self) -> None:
-        """What comes next does not follow on what was before."""
+        """Forget the sound so far: the next frame does not follow on it."""
         self._sleep.reset()
         self._noise.reset()
         self._sound[:] = 0
@@ -258,11 +264,11 @@ class StopSpotter:
             judge.forget()
 
     def _known(self, language: str) -> tuple[str, ...]:
-        """Of which languages words are listened for where this one is spoken."""
+        """Return the languages whose words are listened for while this one is spoken."""
         return tuple(dict.fromkeys(one for one in (ENGLISH, language) if one in self._weights))
 
     def _looks(self, language: str) -> dict[str, Floats]:
-        """What the network of each of them says of the last of the sound."""
+        """Return each language's likelihoods for the latest sound."""
         encoded = self._encoder.of([self._sound[-SAMPLES:]])
         return {one: likelihoods(self._weights[one], encoded)[0] for one in self._known(language)}
 
@@ -272,7 +278,7 @@ class StopSpotter:
         return self._judges[language].said(look, second, lambda: self._noise.stands_out_db)
 
     def _looked_again(self) -> float | None:
-        """Where that fails, what the network is sure of stops the robot all the same."""
+        """Take the second look; None if it fails, so that a sure network still stops the robot."""
         try:
             return self._second(self._sound) if self._second else None
         except Exception:
@@ -283,7 +289,7 @@ class StopSpotter:
 
 
 def open_stop_spotter(encoder: Path) -> StopSpotter:
-    """With the weights that this package brings, from its encoder's folder."""
+    """Open a spotter with this package's weights and the encoder in its folder."""
     network, weights, second, others = _shared(encoder)
     return StopSpotter(network, weights, second=second.likelihood, others=others)
 
@@ -292,6 +298,6 @@ def open_stop_spotter(encoder: Path) -> StopSpotter:
 def _shared(
     encoder: Path,
 ) -> tuple[StopEncoder, StopWeights, SecondLook, Mapping[str, StopWeights]]:
-    """One of each for all who listen; it may be asked from any thread."""
+    """Load one of each for all listeners; may be called from any thread."""
     weights, others = read_weights(), read_language_weights()
     return StopEncoder(encoder, weights.added), weights, SecondLook(encoder), others

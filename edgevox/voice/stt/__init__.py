@@ -1,1 +1,1 @@
-"""Speech to text: what an engine must offer, and faster-whisper as one."""
+"""Speech to text: the interface of an engine, and faster-whisper as one."""

@@ -1,13 +1,12 @@
-"""What is added to Whisper's weights, so that it hears through noise and rooms, and sooner.
+"""The adapter to Whisper's weights: better in noise and rooms, and faster.
 
-Whisper listens to 30 s, however little was said. With this it needs no more than there is, which is
-most of its time, and of what noise hides it understands more. What it learnt from, and how well it
-hears, is in training/adapter/README.md; `training/adapter/train.py` made it.
+Whisper listens to 30 s, however short the speech is. With the adapter it needs only the speech,
+which saves most of its time, and it understands more in noise. Its training data and results are in
+training/adapter/README.md; `training/adapter/train.py` made it.
 
-CTranslate2's file of a model, `model.bin`, with something added to some of its weights.
-
-The file is a header, then each array with its name, shape, type and bytes, then names for the same
-arrays again; all numbers are little-endian (`ctranslate2.specs.ModelSpec` writes it).
+This module also writes CTranslate2's model file, `model.bin`, with the adapter added. The file is a
+header, then each array with its name, shape, type and bytes, then further names for the same
+arrays; all numbers are little-endian (`ctranslate2.specs.ModelSpec` writes it).
 """
 
 import functools
@@ -31,18 +30,18 @@ from edgevox.core.errors import EdgeVoxError
 
 FILE = "model.bin"
 UP, DOWN = ".up", ".down"
-"""What is added to an array is the product of these two, after its name."""
+"""Suffixes, after an array's name, of the two matrices whose product is added to it."""
 _FORMAT = 6
 _FLOATS: Mapping[int, str] = {0: "<f4", 4: "<f2"}
 """The types of arrays that something can be added to, by CTranslate2's number."""
 
 
 class NotAWhisperFile(EdgeVoxError):
-    """The file is none that can be read here, or lacks an array; the message says what is wrong."""
+    """The file cannot be read here, or lacks an array; the message names the fault."""
 
 
 class Added(NamedTuple):
-    """What an array is to be more: the product of two narrow matrices (LoRA)."""
+    """An addition to one array: the product of two narrow matrices (LoRA)."""
 
     up: NDArray[np.float32]
     down: NDArray[np.float32]
@@ -57,9 +56,9 @@ class Added(NamedTuple):
 
 
 def added_of(data: Mapping[str, Any]) -> dict[str, Added]:
-    """What the arrays of a file say is to be added, by the names of what it is added to.
+    """Read the additions from a file's arrays, by the names of the arrays that they change.
 
-    Raises `KeyError` where one of the two matrices is missing.
+    Raises `KeyError` if one of the two matrices is missing.
     """
     names = (name.removesuffix(UP) for name in data if name.endswith(UP))
     return {
@@ -80,11 +79,11 @@ class _Array:
 
 @contextmanager
 def adapted_folder(folder: Path, added: Mapping[str, Added]) -> Iterator[Path]:
-    """A folder with the model's files, its arrays with what is added, while it is used.
+    """Yield a folder with the model's files and the additions in its arrays.
 
-    CTranslate2 keeps the bytes of a model that it is given, 75 MB of the smallest one, beside what
-    it makes of them; of a file it keeps nothing. This file is in memory alone, and then gone.
-    Raises what `adapted` does.
+    CTranslate2 keeps the bytes of a model that it is given, 75 MB of the smallest one, beside its
+    own copy; of a file it keeps nothing. This file is in memory alone, and is removed at the end.
+    Raises the errors of `adapted`.
     """
     held = adapted(folder, added)
     with ExitStack() as stack:
@@ -101,10 +100,10 @@ def adapted_folder(folder: Path, added: Mapping[str, Added]) -> Iterator[Path]:
 
 
 def adapted(folder: Path, added: Mapping[str, Added]) -> bytes:
-    """The model's file, where what is added is added.
+    """Return the model's file with the additions in its arrays.
 
-    `added` is what each named array is to be more than in the file: as many numbers as it has, in
-    their order. Raises `NotAWhisperFile`, and `OSError` where a file cannot be read.
+    `added` maps an array's name to its addition: as many numbers as the array has, in their order.
+    Raises `NotAWhisperFile`, and `OSError` if a file cannot be read.
     """
     held = (folder / FILE).read_bytes()
     there = {one.name: one for one in _read(held)}
@@ -189,9 +188,9 @@ class _Adapter(NamedTuple):
 
 
 def adapter_for(folder: Path) -> Mapping[str, Added]:
-    """What the arrays of the model in this folder are to be more; nothing for all but one model.
+    """Return the additions for the model in this folder; empty for all but one model.
 
-    Raises `OSError` where its file cannot be read.
+    Raises `OSError` if the model's file cannot be read.
     """
     known, file = _adapter(), folder / FILE
     if file.stat().st_size != known.size:

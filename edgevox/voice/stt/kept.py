@@ -1,10 +1,4 @@
-"""Speech to text that keeps what it was given, with the words that it made of it.
-
-Keeps what was heard in a folder, for a site that wants to find out why it was misheard.
-
-Each utterance is a WAV file and a JSON file of one line beside it, of the same name. Both are only
-for this user to read, and named by the time and a number alone, never by what was said.
-"""
+"""Speech to text that stores each utterance and its transcript."""
 
 import json
 import os
@@ -35,7 +29,7 @@ _OURS = re.compile(r"heard-\d{8}T\d{6}Z-\d{6}\.(?:wav|json)")
 class KeptAudio:
     """A bounded folder of utterances. May be used from any thread.
 
-    Raises `InvalidValue` for a folder that cannot be written. Files that are not its own are left
+    Raises `InvalidValue` for a folder that cannot be written. Other files in the folder are left
     alone.
     """
 
@@ -59,9 +53,9 @@ class KeptAudio:
             raise InvalidValue("keep_audio", str(folder), reason) from None
 
     def keep(self, samples: Samples, about: Mapping[str, object]) -> Path:
-        """Write an utterance at 16 kHz and what is known of it; the WAV file.
+        """Write an utterance at 16 kHz and its facts; return the WAV file.
 
-        Raises `OSError`; then nothing of it is left.
+        Raises `OSError`, and leaves nothing of it then.
         """
         with self._lock:
             self._number += 1
@@ -112,7 +106,10 @@ class KeptAudio:
             (self.folder / f"{stem}.{suffix}").unlink(missing_ok=True)
 
     def _age(self, stem: str) -> int:
-        """How many were kept since: a robot's clock may go back, its numbers do not."""
+        """Return how many utterances were kept since.
+
+        A robot's clock may go back, the numbers do not.
+        """
         return (self._number - _number(stem)) % _NUMBERS
 
     def _names(self) -> list[str]:
@@ -124,10 +121,10 @@ def _number(name: str) -> int:
 
 
 class KeepingSpeechToText:
-    """Implements `SpeechToText` by another one.
+    """A `SpeechToText` around another one that keeps what it transcribes.
 
-    What may have been a whole utterance and went on is kept too, as it was understood too. A disk
-    that is full keeps nobody from being understood: that is logged.
+    An utterance that seemed over and went on is kept in both forms. A full disk is logged, and
+    transcription goes on.
     """
 
     def __init__(self, stt: SpeechToText, kept: KeptAudio, clock: Clock | None = None) -> None:

@@ -1,19 +1,4 @@
-"""Telling words that were said from words that Whisper makes of noise.
-
-The bounds lie between what was measured on synthesised commands (with a prompt: no-speech up to
-0.33, log probability down to -0.95) and on noise, hum, bursts and buzz that passed for speech
-(no-speech from 0.43, mostly with a log probability below -0.95). With the hearing adapter a plain
-espeak-ng's "Where are you?" in quiet has a no-speech of 0.66 and a log probability of -0.05.
-Several voices at once made "Go to the kitchen." at -1.02; commands that were understood in noise
-lay above -0.85.
-
-Tells words that were heard from words that were only expected.
-
-Shown the robot's own commands before, Whisper understands far more of them in noise, and now and
-then takes one for another: "Turn around." beside a vacuum cleaner for "Turn left.". Where it is not
-sure of its words it listens again without having been shown anything. What it hears then, too, is
-surer to have been said, and what it does not even think of less sure.
-"""
+"""The test whether Whisper's words were said, or made of noise."""
 
 import math
 import re
@@ -32,13 +17,14 @@ REPEATS = 2.6
 """Text that compresses better than this says the same again and again."""
 SHORT_S = 3.0
 MAYBE_SAID = 0.02
-"""What is less likely among what may have been said is left out."""
+"""Hypotheses less likely than this are left out."""
 AROUND_S = 0.55
-"""So much of an utterance is silence before and after what is said."""
+"""Seconds of an utterance that are silence, before and after the speech."""
 BYTES_A_SECOND = 12.0
-"""Of UTF-8, so that a sign that stands for more counts for more; who speaks slowly says as many.
-Of fewer something is missing: in noise "Walk backward half a metre." becomes "Walk backward." Of
-256 commands by voices to train with those heard whole had 11.8 or more, cut ones 10.5 or fewer."""
+"""Bytes of UTF-8 per second that even a slow speaker reaches; bytes, so that a character that
+stands for more counts for more. With fewer, words are missing: in noise "Walk backward half a
+metre." becomes "Walk backward." Of 256 commands by voices to train with, those heard whole had
+11.8 or more, cut ones 10.5 or fewer."""
 
 _OF_NOTHING = frozenset(
     {
@@ -57,7 +43,7 @@ _OF_NOTHING = frozenset(
         "ご視聴ありがとうございました",
     }
 )
-"""What Whisper learnt to write where nothing is said: the ends of films."""
+"""Phrases that Whisper learnt to write over silence, from the ends of films."""
 _BRACKETED = re.compile(r"[\[(*♪][^\])*♪]*[\])*♪]?")
 _NOT_WORDS = re.compile(r"[\W_]+")
 _SENTENCE_ENDS = re.compile(r"(?<=[.!?\u3002\uff01\uff1f\u0964])\s+")
@@ -65,17 +51,17 @@ _SENTENCE_ENDS = re.compile(r"(?<=[.!?\u3002\uff01\uff1f\u0964])\s+")
 
 @dataclass(frozen=True, slots=True)
 class Segment:
-    """A piece of Whisper's output with its own doubts.
-
-    `no_speech` is the probability that nothing was said, `log_probability` the tokens' mean,
-    `whole` their sum, `compression` how much shorter its text is when compressed.
-    """
+    """A piece of Whisper's output with its doubts."""
 
     text: str
     no_speech: float
+    """The probability that nothing was said, 0 to 1."""
     log_probability: float
+    """The mean log probability of the tokens."""
     compression: float
+    """How many times shorter the text is when compressed."""
     whole: float = 0.0
+    """The sum of the tokens' log probabilities."""
 
     @property
     def likelihood(self) -> float:
@@ -84,7 +70,7 @@ class Segment:
 
 
 def plausible(segment: Segment, seconds: float) -> bool:
-    """Whether this was said in a sound of so many seconds."""
+    """Return whether this was said in a sound of this many seconds."""
     plain = plain_words(segment.text)
     if not plain or segment.compression > REPEATS or segment.log_probability < SURELY_GUESSED:
         return False
@@ -97,9 +83,9 @@ def plausible(segment: Segment, seconds: float) -> bool:
 
 
 def parroted(segment: Segment, prompt: str) -> bool:
-    """Whether these are sentences of the prompt that are not likely to have been said.
+    """Return whether these are sentences of the prompt, unlikely to have been said.
 
-    Of voices that talk at once Whisper makes what it was shown before it listened.
+    Given voices that talk at once, Whisper repeats the prompt that it was shown.
     """
     if segment.log_probability >= MAYBE_GUESSED:
         return False
@@ -113,11 +99,11 @@ def transcript_of(
     prompt: str,
     likelihood: Callable[[Segment], float] = lambda one: one.likelihood,
 ) -> Transcript:
-    """What was said in a sound of so many seconds: the first hypothesis, and what else it may be.
+    """Return the transcript of a sound of this many seconds, with its alternatives.
 
-    If that was not said nothing was, whatever follows. Spelled otherwise it is the same, and what
-    is hardly likely is left out. How sure one is of words is their `likelihood`, and less where
-    they are too few for the sound.
+    The first hypothesis gives the words; if it was not said, nothing was, whatever follows.
+    Different spellings count as one, and unlikely hypotheses are left out. The confidence in words
+    is their `likelihood`, lowered where they are too few for the sound.
     """
     said: dict[str, Hypothesis] = {}
     for one, share in zip(hypotheses, _shares(hypotheses), strict=True):
@@ -139,14 +125,14 @@ def transcript_of(
 
 
 def _shares(hypotheses: Sequence[Segment]) -> list[float]:
-    """How likely each is among them."""
+    """Return the share of each hypothesis among all, by likelihood."""
     most = max((one.whole for one in hypotheses), default=0.0)
     weights = [math.exp(one.whole - most) for one in hypotheses]
     return [weight / sum(weights) for weight in weights]
 
 
 def _filled(text: str, seconds: float) -> float:
-    """How much of what was said in this time these words can be, from 0 to 1."""
+    """Return the share of the speech in this time that these words can be, 0 to 1."""
     fewest = BYTES_A_SECOND * (seconds - AROUND_S)
     size = len(text.encode())
     return size / fewest if size < fewest else 1.0
@@ -177,20 +163,23 @@ only how numbers are written is."""
 LISTEN_AGAIN_BELOW = 0.9
 """Words that are at least so sure were heard."""
 NEAR, AWAY = 1.0, 2.0
-"""In nats: what is so much less likely than the likeliest was heard then too, or is not thought
-of."""
+"""In nats, the distances to the likeliest hypothesis: below the first, a text was heard then,
+too; from the second on, it was not."""
 DOUBT = 0.88
-"""How much of the confidence is left of words that are not: a motion needs a yes then."""
+"""The factor on the confidence of words that the second hearing does not confirm: a motion needs
+a yes then."""
 
 
 def is_doubtful(said: Transcript, language: str) -> bool:
-    """Whether to listen again."""
+    """Return whether to transcribe again, without a prompt."""
     return language in SHOWN_COMMANDS and bool(said.text) and said.confidence < LISTEN_AGAIN_BELOW
 
 
 def heard_again(alone: Sequence[Segment]) -> Callable[[Segment], float]:
-    """How likely each of the hypotheses is, from 0 to 1, after these without expecting any: more
-    where it is one of them, too, and less where it is not even thought of.
+    """Return a function that rates a hypothesis by a second transcription, 0 to 1.
+
+    `alone` holds the hypotheses of that transcription, which had no prompt. The rating is higher
+    for a text among them, and lower for any other.
     """
     most = max((one.whole for one in alone), default=0.0)
     below: dict[str, float] = {}

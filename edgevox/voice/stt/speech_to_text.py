@@ -1,4 +1,4 @@
-"""What a speech-to-text engine must offer."""
+"""The interface of a speech-to-text engine."""
 
 from dataclasses import dataclass
 from typing import Protocol

@@ -1,4 +1,4 @@
-"""Notices when speech to text does not work, so that who speaks is told and not ignored."""
+"""A watch over speech to text, so that its failure is told to the speaker and not ignored."""
 
 from collections.abc import Callable
 
@@ -11,15 +11,15 @@ TELL_EVERY_S = 20.0
 
 
 class WatchedSpeechToText:
-    """Implements `SpeechToText` by another one.
+    """A `SpeechToText` around another one that watches for faults.
 
-    `tell` is called when something could not be understood for a fault, at most every so often.
+    `tell` is called, at limited intervals, when an utterance was lost to a fault.
     """
 
     def __init__(self, stt: SpeechToText, clock: Clock | None = None) -> None:
         self.tell: Callable[[], None] = lambda: None
         self.fault = ""
-        """Why nothing is understood now; empty once something was."""
+        """The reason why nothing is understood now; empty after a success."""
         self._stt = stt
         self._clock = clock or SystemClock()
         self._told_s = float("-inf")

@@ -1,6 +1,6 @@
-"""Whisper, by faster-whisper: 8 bit, on the CPU, with several hypotheses of what was said.
+"""Whisper, by faster-whisper: 8 bit, on the CPU, with several hypotheses for each utterance.
 
-A model that there is an adapter for hears more in noise, and only as much as was said.
+A model with an adapter hears better in noise, and processes only the speech, not 30 s.
 """
 
 import threading
@@ -22,18 +22,19 @@ from edgevox.voice.stt.speech_to_text import Transcript
 MAX_THREADS = 4
 """More do not help one utterance."""
 TOKENS_PER_S = 10
-"""Nobody speaks faster; a hallucination that repeats itself ends there."""
+"""No person speaks faster; a hallucination that repeats itself ends there."""
 MORE_TOKENS = 16
 HYPOTHESES = 5
 """The width of the beam: of the commands in noise a fifth more are among five than come first."""
 WIDTHS = {"en": (HYPOTHESES,)}
-"""Of the searches in a language, the first of which has the words; measured in English."""
+"""Beam widths of the searches in a language; the first one has the words. Measured in English."""
 OTHER_WIDTHS = (1, HYPOTHESES)
 """In Portuguese a greedy search's words are right more often than the first of a beam."""
 SHORT_S = 9.0
 """No longer sound was learnt by the adapter but in Whisper's own 30 s."""
 ROWS_A_SECOND, ROWS_AFTER = 100, 64
-"""So many rows of Whisper's features follow what was said, where no more is listened to."""
+"""Rows of Whisper's features per second of sound, and the rows that follow the speech where less
+than 30 s is listened to."""
 _WARM_UP = np.zeros(RATE_HZ, np.int16)
 
 
@@ -45,11 +46,13 @@ class _LoadedModel(NamedTuple):
 
 
 class Whisper:
-    """Loads each model once, when its language is first wanted; they are kept.
+    """Whisper models, each loaded when its language is first needed, and then kept.
 
-    `model_of` gives a language's model folder. `prompt_of` gives a language's text in the manner in
-    which commands should be written ("Go to x 2, y minus 1.5."): Whisper takes over its spelling
-    of numbers and coordinates, and its words.
+    Args:
+        model_of: Returns the model folder of a language.
+        prompt_of: Returns a text in the manner in which commands should be written ("Go to x 2, y
+            minus 1.5."): Whisper takes over its spelling of numbers and coordinates, and its words.
+        threads: CPU threads; 0 chooses by the CPUs.
     """
 
     def __init__(
@@ -80,7 +83,10 @@ class Whisper:
             return transcript_of(found, seconds, prompt, heard_again(sound.hypotheses()))
 
     def hypotheses(self, samples: Samples, language: str, prompt: str = "") -> list[Segment]:
-        """What may have been said in the first 30 s, with Whisper's doubts; first the likeliest."""
+        """Return the hypotheses for the first 30 s, with Whisper's doubts.
+
+        The likeliest comes first.
+        """
         with self._lock:
             return self._encoded(samples, language).hypotheses(prompt)
 
@@ -140,7 +146,10 @@ class _EncodedSound:
         self._most_tokens = MORE_TOKENS + int(samples.size / RATE_HZ * TOKENS_PER_S)
 
     def hypotheses(self, prompt: str = "") -> list[Segment]:
-        """As `WhisperModel.transcribe` finds them, which keeps but one to itself."""
+        """Return hypotheses as `WhisperModel.transcribe` finds them.
+
+        It returns only one of them.
+        """
         from faster_whisper.transcribe import get_compression_ratio, get_suppressed_tokens
 
         model, tokenizer = self._engine.model, self._tokenizer
@@ -168,7 +177,10 @@ class _EncodedSound:
 
 
 def as_listened_to(features: NDArray[np.float32], short: bool) -> NDArray[np.float32]:
-    """Features (bands, rows of 10 ms) with what follows them; at most 30 s in all."""
+    """Return features (bands, rows of 10 ms) with the rows that follow them.
+
+    At most 30 s in all.
+    """
     from faster_whisper.audio import pad_or_trim
 
     rows = features.shape[-1]

@@ -50,7 +50,7 @@ class EspeakLibrary:
         return Chunk(np.frombuffer(b"".join(pieces), np.int16), self.sample_rate_hz)
 
     def phonemes(self, text: str, language: str) -> str:
-        """How it would be spoken, in letters of the IPA; some microseconds a word."""
+        """Return the text's pronunciation in letters of the IPA; takes some microseconds a word."""
         rest = ctypes.c_char_p(text.replace("\0", " ").encode())
         clauses: list[str] = []
         with self._lock:

@@ -1,4 +1,4 @@
-"""Japanese script as it is read: espeak-ng knows kana, and says "Chinese letter" to the rest."""
+"""Japanese script converted to kana: espeak-ng says "Chinese letter" for other characters."""
 
 from functools import cache
 from importlib import import_module
@@ -30,5 +30,5 @@ def _is_kana(text: str) -> bool:
 
 @cache
 def _reader() -> Any:
-    """Its dictionary takes half a second to load."""
+    """Load the reader; its dictionary takes half a second."""
     return import_module(PACKAGE).kakasi()

@@ -1,6 +1,6 @@
 """Kokoro: one model of 82 million parameters with 54 voices of nine languages.
 
-What Kokoro reads: phonemes, as tokens of its vocabulary.
+`Phonemes` makes its input: phonemes, as tokens of its vocabulary.
 """
 
 import logging
@@ -40,9 +40,9 @@ LANGUAGE_CODES = {
 
 _JAPANESE = str.maketrans("ɽɹ", "ɾɾ", "ˈˌᵝ\N{COMBINING DIAERESIS}\N{COMBINING DOWN TACK BELOW}")
 _DOUBLED = {"tt": "ʔt", "pp": "ʔp", "kk": "ʔk"}  # noqa: RUF001
-"""How Kokoro learnt to write what espeak-ng writes otherwise."""
+"""Kokoro's spelling of doubled consonants, by espeak-ng's."""
 _SWITCH = re.compile(r"\([a-z]{2,3}(?:-[a-z]+)?\)")
-"""What espeak-ng puts around a foreign word: ``(en)`` before and ``(fr)`` after it."""
+"""espeak-ng's marks around a foreign word: ``(en)`` before and ``(fr)`` after it."""
 
 
 class Phonemes:
@@ -76,7 +76,10 @@ class Phonemes:
         return str(phonemes)
 
     def _read_japanese(self, text: str) -> str:
-        """By espeak-ng, without the marks that Kokoro has no tokens for."""
+        """Convert Japanese to phonemes by espeak-ng.
+
+        Marks that Kokoro has no tokens for are left out.
+        """
         read = phonemize(
             kana(text), "ja", backend="espeak", preserve_punctuation=True, with_stress=True
         )
@@ -121,9 +124,10 @@ class KokoroModel:
         self._speed = np.int32 if inputs["speed"] == "tensor(int32)" else np.float32
 
     def run(self, tokens: list[int], style: Style, speed: float = 1.0) -> NDArray[np.float32]:
-        """Sound from -1 to 1, shape (n,), at `SAMPLE_RATE_HZ`, so many times as fast as usual.
+        """Synthesise sound from -1 to 1, shape (n,), at `SAMPLE_RATE_HZ`.
 
-        Some exports of the model know whole speeds only.
+        `speed` is a factor; 1 is the usual speed. Some exports of the model accept whole speeds
+        only.
         """
         inputs = {
             self._tokens: np.array([[0, *tokens, 0]], np.int64),
@@ -134,7 +138,7 @@ class KokoroModel:
 
 
 class KokoroSynthesiser:
-    """One voice of Kokoro."""
+    """A single Kokoro voice."""
 
     sample_rate_hz = SAMPLE_RATE_HZ
     phrase_chars = 50
@@ -159,7 +163,7 @@ class KokoroSynthesiser:
 
 
 def _pause_after(sentence: str) -> NDArray[np.float32]:
-    """The silence after what was said: what the model gives has too much, and is trimmed."""
+    """Return the silence after a sentence: the model's own is too long, and is trimmed."""
     whole = sentence.rstrip("\"')]» ").endswith(_SENTENCE_ENDS)
     pause_s = _SENTENCE_PAUSE_S if whole else _PHRASE_PAUSE_S
     return np.zeros(int(pause_s * SAMPLE_RATE_HZ), np.float32)

@@ -13,11 +13,9 @@ from edgevox.voice.tts.session import open_session
 from edgevox.voice.tts.synthesiser import to_samples
 
 THREADS = 1
-"""It is ten times faster than speech with one.
-
-No arena: its sounds are of random length, so that one grew by 80 MB now and then; it is a tenth
-slower for it, and takes 70 MB less.
-"""
+"""Speech is ten times faster than real time on one thread. There is no memory arena: with sounds
+of random length, an arena grew by 80 MB now and then. Without it, synthesis is a tenth slower
+and takes 70 MB less."""
 
 
 class PiperSynthesiser:

@@ -12,11 +12,12 @@ if TYPE_CHECKING:
     from edgevox.voice.tts.kokoro import KokoroModel
 
 MOST_LOADED = 4
-"""A Piper voice takes about 150 MB; who changes back and forth does not want to load it again."""
+"""A Piper voice takes about 150 MB; a user who changes back and forth should not wait for
+loading."""
 
 
 class VoicePool:
-    """Loads voices when they are asked for and keeps those that were used last.
+    """Loads voices on demand and keeps the ones that were used last.
 
     Used from one thread. Kokoro's voices share one model, espeak-ng's one library.
     """
@@ -25,7 +26,7 @@ class VoicePool:
         self._most = most
         self._loaded: OrderedDict[VoiceChoice, Synthesiser] = OrderedDict()
         self.files: frozenset[Path] = frozenset()
-        """Those of the voices that are loaded. May be read from any thread."""
+        """Files of the voices that are loaded. May be read from any thread."""
 
     def get(self, choice: VoiceChoice) -> Synthesiser:
         """The voice, loaded and warm. Raises `EdgeVoxError` if it cannot be loaded."""

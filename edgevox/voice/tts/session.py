@@ -8,10 +8,10 @@ from edgevox.core.process.cgroup import usable_cpus
 
 
 def open_session(path: Path, threads: int, *, arena: bool = True) -> onnxruntime.InferenceSession:
-    """A model on the CPU with this many threads, and no more than may compute at once.
+    """Load a model on the CPU with this many threads, and no more than may compute at once.
 
-    A thread that spins while it waits takes the core that somebody else's thread needs. Without the
-    `arena` memory is given back after each run, and not kept for the largest one there ever was.
+    A thread that spins while it waits takes the core that another thread needs. Without the
+    `arena`, memory is given back after each run, and not kept for the largest run so far.
     """
     options = onnxruntime.SessionOptions()
     options.intra_op_num_threads = min(threads, usable_cpus())

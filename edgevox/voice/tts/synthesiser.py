@@ -1,4 +1,4 @@
-"""What every speech synthesiser can do."""
+"""The interface of a speech synthesiser."""
 
 from collections.abc import Iterator
 from typing import Protocol
@@ -16,14 +16,11 @@ class SynthesisFailed(EdgeVoxError):
 
 
 class Synthesiser(Protocol):
-    """One voice, loaded. Used from one thread at a time.
-
-    `phrase_chars` is about how many characters it should get at once, so that its first sound
-    does not come late.
-    """
+    """A loaded voice. Used from one thread at a time."""
 
     sample_rate_hz: int
     phrase_chars: int
+    """About how many characters to give it at once, so that its first sound is not late."""
 
     def warm_up(self) -> None:
         """Pay now for what the first sentence would have to wait for."""
@@ -36,5 +33,5 @@ class Synthesiser(Protocol):
 
 
 def to_samples(sound: NDArray[np.float32]) -> Samples:
-    """Sound from -1 to 1 as 16 bit samples; what is louder is clipped."""
+    """Convert sound from -1 to 1 to 16 bit samples; louder sound is clipped."""
     return (np.clip(sound, -1.0, 1.0) * np.iinfo(np.int16).max).astype(np.int16)

@@ -1,6 +1,6 @@
-"""Which voice speaks: the one that was asked for, else the best one that this machine has.
+"""The choice of a voice: the one that was asked for, else the best one that this machine has.
 
-Whether the engine of a voice is installed here; nothing is loaded to find out.
+`installed` tells whether a voice's engine is here without loading anything.
 """
 
 import shutil
@@ -20,12 +20,12 @@ PACKAGES = {
     "kokoro-j": ("kokoro_onnx", "pykakasi"),
     "kokoro-z": ("kokoro_onnx", "misaki", "jieba", "pypinyin", "cn2an"),
 }
-"""What a backend needs; Kokoro's Japanese and Chinese voices, by their first letter, need more:
-espeak-ng, which makes the phonemes of the other languages, cannot read their script."""
+"""Packages that a backend needs. Kokoro's Japanese and Chinese voices, by their first letter,
+need more: espeak-ng, which makes the phonemes of the other languages, cannot read their script."""
 
 
 def installed(voice: Voice) -> bool:
-    """Whether everything but the voice's model is there."""
+    """Return whether everything but the voice's model is installed."""
     if voice.backend == "espeak":
         return _has("espeakng_loader") or shutil.which(COMMAND) is not None
     special = f"{voice.backend}-{voice.key[0]}"
@@ -38,9 +38,9 @@ def _has(package: str) -> bool:
 
 
 Find = Callable[[str], Path | None]
-"""Where a model of edgevox-models is, by its id: its entry file; None if it is not here."""
+"""Returns the entry file of an edgevox-models model, by its id; None if it is not here."""
 Installed = Callable[[Voice], bool]
-"""Whether the engine of a voice is installed here."""
+"""Returns whether a voice's engine is installed here."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,10 +74,11 @@ def available(
 def choose(
     language: str, voice: str, find: Find, installed: Installed = installed
 ) -> tuple[VoiceChoice, ...]:
-    """What to speak with: the voice of this name, or the language's best if it is empty.
+    """Return the voices to try, in order.
 
-    After it come what to try when it fails: the best voice of every other backend, in the
-    language's order. The last is espeak-ng. Raises `InvalidValue`.
+    The named voice comes first, or the language's best if the name is empty. Fallbacks follow: the
+    best voice of every other backend, in the language's order. The last is espeak-ng. Raises
+    `InvalidValue`.
     """
     if language not in LANGUAGES:
         raise InvalidValue("language", language, "one of " + ", ".join(LANGUAGES))
@@ -90,11 +91,11 @@ def choose(
 
 
 class PresentVoices:
-    """What to speak with at this moment, asked before every sentence.
+    """The voices to speak with at this moment, looked up before every sentence.
 
-    A voice that was found once stays first while nobody asks for another one, also if its files go
-    away: it is loaded by then. One that was never here is replaced by the language's best.
-    `wanted` gives language and voice, `finder` a new `Find`.
+    A voice that was found once stays first until another is asked for, even if its files go away:
+    it is loaded by then. A voice that was never here is replaced by the language's best. `wanted`
+    returns language and voice, `finder` a fresh `Find`.
     """
 
     def __init__(self, wanted: Callable[[], tuple[str, str]], finder: Callable[[], Find]) -> None:

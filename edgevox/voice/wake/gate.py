@@ -1,10 +1,10 @@
-"""Whom the robot listens to when it has a wake word: a state machine over times, nothing else.
+"""The wake gate: decides which speech is for the robot, a state machine over times.
 
-Without the wake word nothing that is said is acted on, except one thing: a robot that is told to
-stop must stop. So a short utterance that nobody addressed to it is understood too, and only a stop
-word in it counts.
+Without the wake word no speech is acted on, with one exception: a robot that is told to stop must
+stop. So a short utterance without the wake word is transcribed too, and only a stop word in it
+counts.
 
-Taking the wake word out of what was understood: speech to text spells it in its own ways.
+`without_phrase` takes the wake word out of a transcript: speech to text spells it in its own ways.
 """
 
 import re
@@ -15,14 +15,15 @@ from enum import Enum, auto
 from edgevox.voice.endpoint import SpeechEnded, SpeechPaused
 
 ALIKE = 0.6
-"""How alike words and phrase must be, 0 to 1: "Hey, Darvie's" is meant for "hey jarvis"."""
+"""The likeness, 0 to 1, from which words are the phrase: "Hey, Darvie's" is meant for "hey
+jarvis"."""
 MAX_WORDS_BEFORE = 4
 
 _WORD = re.compile(r"[\w']+")
 
 
 def without_phrase(text: str, phrase: str) -> str:
-    """What follows the phrase, if it is near the beginning; else the text as it is."""
+    """Return the text after the phrase, if that is near the beginning; else the whole text."""
     words = list(_WORD.finditer(text))
     wanted = _joined(_WORD.findall(phrase))
     best, end = 0.0, 0
@@ -44,17 +45,17 @@ def _joined(words: Iterable[str]) -> str:
 
 
 FOLLOW_S = 8.0
-"""So long after the wake word speech is meant for the robot."""
+"""Seconds after the wake word in which speech is for the robot."""
 SHORT_S = 2.5
 """An utterance without the wake word that is longer is not looked into."""
 PHRASE_ALONE_S = 0.4
 """Less speech than this after the wake word is its own end."""
 PHRASE_S = 1.3
-"""The wake word is said within so long before it is heard."""
+"""Seconds before its detection within which the wake word is said."""
 
 
 class WakeDecision(Enum):
-    """What to do with an utterance."""
+    """A decision on an utterance."""
 
     TAKE = auto()
     ONLY_STOP = auto()
@@ -79,11 +80,11 @@ class WakeGate:
         self._until_s = now_s + FOLLOW_S
 
     def has(self, now_s: float) -> bool:
-        """Whether what is said at this time is meant for the robot."""
+        """Return whether speech at this time is for the robot."""
         return self._woken_s is not None and now_s <= self._until_s
 
     def judge(self, speech: SpeechEnded | SpeechPaused) -> WakeDecision:
-        """What to do with it, if it is over."""
+        """Decide on the utterance, as if it were over."""
         woken_s = self._woken_for(speech)
         if woken_s is not None:
             alone = woken_s >= speech.began_s and speech.ended_s - woken_s < PHRASE_ALONE_S
@@ -94,7 +95,7 @@ class WakeGate:
         return WakeDecision.IGNORE
 
     def take(self, speech: SpeechEnded) -> None:
-        """It uses the wake word up: what else is said needs another, unless this goes on."""
+        """Use the wake word up: later speech needs another one, unless this utterance goes on."""
         taken = speech.began_s, self._woken_for(speech)
         self.reset()
         self._taken = taken
@@ -107,7 +108,7 @@ class WakeGate:
         return max(0.0, woken_s - PHRASE_S - speech.began_s)
 
     def _woken_for(self, speech: SpeechEnded | SpeechPaused) -> float | None:
-        """When the wake word was heard by which this is meant for the robot, if it is."""
+        """Return when the wake word was heard that this speech follows; None without one."""
         if self._taken and self._taken[0] == speech.began_s:
             return self._taken[1]
         return self._woken_s if self.has(speech.began_s) else None

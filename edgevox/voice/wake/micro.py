@@ -21,7 +21,7 @@ from edgevox.voice.word_detection import KEPT_S, OncePerWord, WakeSleep
 
 LARGEST_BYTES = 10_000_000
 _TFLITE = b"TFL3"
-"""What stands in a TensorFlow Lite file from its fifth byte on."""
+"""The mark of a TensorFlow Lite file, from its fifth byte on."""
 
 
 class _Micro(BaseModel):
@@ -30,7 +30,7 @@ class _Micro(BaseModel):
 
 
 class _Description(BaseModel):
-    """What a network's JSON says, as microWakeWord's training writes it."""
+    """A network's JSON, as microWakeWord's training writes it."""
 
     model_config = ConfigDict(extra="ignore")
 

@@ -1,8 +1,8 @@
 """The wake word: openWakeWord's networks, a frame at a time. Products may not use them.
 
-While nobody speaks the networks sleep: they cost more than ten times what the voice detector costs.
-
-What begins almost like the phrase may wake it ("hey Java", "hey Charles" for "hey jarvis").
+While nobody speaks the networks sleep: they cost more than ten times as much as the voice detector.
+A phrase that begins almost like the wake word may wake it ("hey Java", "hey Charles" for "hey
+jarvis").
 """
 
 from pathlib import Path
@@ -17,7 +17,7 @@ from edgevox.voice.word_detection import KEPT_S, OncePerWord, WakeSleep
 
 THRESHOLD = 0.5
 QUIET_S = 2.0
-"""One phrase is heard once, not in each window that holds it."""
+"""Seconds in which a phrase counts once: each window that holds it reports it."""
 
 _CHUNK_SAMPLES = 1280  # what the networks take at once
 _NOT_PHRASES = ("embedding_model", "melspectrogram")
@@ -30,7 +30,7 @@ class WakeDetector(Protocol):
 
     @property
     def likelihood(self) -> float:
-        """How likely the phrase had just ended when its networks were asked last, 0 to 1."""
+        """The likelihood at the networks' last look that the phrase had just ended, 0 to 1."""
 
     def heard(self, samples: Samples, probability: float) -> bool:
         """Take the next frame, with its probability of voice; True once for each time it is said.
@@ -48,7 +48,7 @@ class WakeDetector(Protocol):
 class WakeWord:
     """Listens for one phrase, such as ``hey jarvis``; `folder` holds the networks.
 
-    Raises `InvalidValue` for a phrase that has none. Loading warms up, which takes 0.5 s.
+    Raises `InvalidValue` for a phrase without a network. Loading warms up, which takes 0.5 s.
     """
 
     def __init__(self, phrase: str, folder: Path, *, always_awake: bool = False) -> None:
@@ -80,7 +80,7 @@ class WakeWord:
         self._network.close()
 
     def _found(self) -> bool:
-        """Whether the phrase ends in what was heard since the networks were asked last."""
+        """Return whether the phrase ends in the sound since the networks were last asked."""
         if len(self._chunk) * FRAME_SAMPLES < _CHUNK_SAMPLES:
             return False
         self.likelihood = self._run(np.concatenate(self._chunk))
