@@ -1,16 +1,10 @@
-"""Limits of a policy: where to, how far, how fast, when. They hold for whatever moves.
+"""Limits of a policy on all motion: places, distance, speed, areas and hours.
 
-Where to and how far: what the arguments of a skill say of it, told by their names.
-
-So skills that nobody here knows are limited, too: `x` and `y` (and `z` for a hand) are a point,
-`distance` is metres, `room`, `location`, `place` and `target` are places, as is every text that is
-the name of one. What stands within an argument counts as well, such as a list of points.
-
-Hours of the week, by the clock on the wall.
-
-What all parts of a policy file have in common.
-
-What a policy must know of the robot to judge a goal.
+The names of a skill's arguments tell where it goes and how far, so that the limits also hold for
+skills from other packages: `x` and `y` (and `z` for a hand) are a point, `distance` is metres, and
+`room`, `location`, `place` and `target` are places, as is every text that is the name of a place.
+Values inside an argument count as well, such as a list of points. Hours are local time.
+`PolicyContext` is what a policy must know of the robot to judge a goal.
 """
 
 import math
@@ -30,7 +24,7 @@ PLACES = ("room", "location", "place", "target")
 
 
 def places_in(arguments: Mapping[str, Any], known: Collection[str]) -> tuple[str, ...]:
-    """The places that are named; `known` are those of the robot, whose spelling is kept."""
+    """Places among the arguments, spelled as in `known`, the places of the robot."""
     spelled = {name_form(name): name for name in known}
     return tuple(
         spelled.get(name_form(text), text)
@@ -41,13 +35,13 @@ def places_in(arguments: Mapping[str, Any], known: Collection[str]) -> tuple[str
 
 
 def points_in(arguments: Mapping[str, Any]) -> tuple[tuple[float, ...], ...]:
-    """The points that are named: on the floor, or in space."""
+    """Points among the arguments, in metres: (x, y) on the floor or (x, y, z) in space."""
     found = (_point(part) for part in _parts(arguments))
     return tuple(point for point in found if point)
 
 
 def distance_in(arguments: Mapping[str, Any]) -> float | None:
-    """How far it is to go, in metres, if that is said; back where it is less than nothing."""
+    """The distance among the arguments, in metres, negative for backwards; None without one."""
     return _number(arguments.get("distance"))
 
 
@@ -59,7 +53,7 @@ def _point(part: Mapping[str, Any]) -> tuple[float, ...] | None:
 
 
 def _parts(value: Any) -> Iterator[Mapping[str, Any]]:
-    """The arguments, and what stands in them: a list of points, say."""
+    """The arguments, and mappings inside them, such as a list of points."""
     if isinstance(value, Mapping):
         yield value
     inner = value.values() if isinstance(value, Mapping) else value
@@ -86,7 +80,7 @@ def _number(value: Any) -> float | None:
 
 
 class PolicyPart(BaseModel):
-    """A mapping of the file: no key that nobody knows, no number that is none."""
+    """A mapping of the file, without unknown keys and without infinite numbers or NaN."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
 
@@ -95,7 +89,7 @@ Day = Literal["mon", "tue", "wed", "thu", "fri", "sat", "sun"]
 DAYS: tuple[Day, ...] = ("mon", "tue", "wed", "thu", "fri", "sat", "sun")
 MINUTES = 24 * 60
 EXPECTED = "a time of day in quotes such as '07:30', from '00:00' to '24:00'"
-"""Without quotes YAML makes a number of 19:30, which looks like one that somebody wrote."""
+"""Expectation for a time of day. Without quotes, YAML reads 19:30 as a number."""
 
 
 def _minutes(value: Any) -> int:
@@ -118,7 +112,7 @@ TimeOfDay = Annotated[
 
 
 class Interval(PolicyPart):
-    """Some hours of a day. They may cross midnight, and then belong to the day they begin on."""
+    """Hours of a day. Hours that cross midnight belong to the day on which they begin."""
 
     begin: TimeOfDay = Field(alias="from", description="local time of the machine, HH:MM")
     end: TimeOfDay = Field(alias="to", description="local time; before `from`: on the next day")
@@ -133,7 +127,7 @@ class Interval(PolicyPart):
         return self
 
     def holds(self, now: datetime) -> bool:
-        """Whether it is that time."""
+        """True if `now` lies in these hours."""
         minute = now.hour * 60 + now.minute
         today, yesterday = DAYS[now.weekday()], DAYS[now.weekday() - 1]
         if self.begin < self.end:
@@ -167,23 +161,22 @@ def _meant(_name: str) -> str | None:
 
 @dataclass(frozen=True, slots=True)
 class PolicyContext:
-    """Asked anew for each goal; metres, map frame.
-
-    `places` are points of the robot's map by name, `taught` those that it was told the names of.
-    `place_at` says in which place of the map a point is, `here` is where the robot is, None while
-    nobody knows. `place_meant` gives the place of the map that a name stands for in any language.
-    All are quick.
-    """
+    """The robot's places and pose, asked for each goal; metres, map frame. All must be quick."""
 
     places: Callable[[], Mapping[str, Spot]] = field(default=dict)
+    """Returns the places of the robot's map, by name."""
     place_at: Callable[[float, float], str | None] = _nowhere
+    """Returns the name of the map's place that holds a point, or None."""
     here: Callable[[], Pose2D | None] = _unknown
+    """Returns the robot's pose, or None while it is unknown."""
     taught: Callable[[], Mapping[str, Spot]] = field(default=dict)
+    """Returns the places that people taught the robot, by name."""
     place_meant: Callable[[str], str | None] = _meant
+    """Returns the map's place for a name in any language, or None."""
 
     @property
     def names(self) -> Collection[str]:
-        """All names that it goes by."""
+        """Names of all places, of the map and taught."""
         return (*self.places(), *self.taught())
 
 
@@ -198,7 +191,7 @@ _STEP_M, _MOST_STEPS = 0.25, 400
 
 
 class Span(PolicyPart):
-    """From a least to a most, in metres; without one of them it has no end there."""
+    """A range in metres; an end that is not given is open."""
 
     least: Metres | None = Field(None, alias="min", description="metres; default: no limit")
     most: Metres | None = Field(None, alias="max", description="metres; default: no limit")
@@ -210,7 +203,7 @@ class Span(PolicyPart):
         return self
 
     def holds(self, value: float) -> bool:
-        """Whether a coordinate is in it, ends included."""
+        """True if the range holds a coordinate, ends included."""
         below = self.least is not None and value < self.least
         return not below and not (self.most is not None and value > self.most)
 
@@ -227,7 +220,7 @@ class Area(PolicyPart):
     y: Span = Span()
 
     def holds(self, point: Sequence[float]) -> bool:
-        """Whether a point is in it, edges included."""
+        """True if the area holds a point, edges included."""
         sides = (getattr(self, axis) for axis in AXES[: len(point)])
         return all(side.holds(value) for side, value in zip(sides, point, strict=True))
 
@@ -237,13 +230,13 @@ class Area(PolicyPart):
 
 
 class Box(Area):
-    """A box for the points that a hand is sent to."""
+    """A box for the goals of a hand."""
 
     z: Span = Span()
 
 
 class Places(PolicyPart):
-    """Where it may go by name; `never` counts before `only`."""
+    """Places that are allowed or forbidden by name; `never` counts before `only`."""
 
     only: Names | None = Field(None, description="only these places are allowed")
     never: Names | None = Field(None, description="these places are forbidden")
@@ -256,29 +249,29 @@ class Places(PolicyPart):
 
     @property
     def names(self) -> frozenset[str]:
-        """All that are named, as they are written."""
+        """All names in the file, as they are written."""
         return frozenset((*(self.only or ()), *(self.never or ())))
 
     def forbids(self, place: str, around: PolicyContext) -> bool:
-        """Whether `never` names it."""
+        """True if `never` names the place."""
         return _named(place, self.never or (), around)
 
     def permits(self, place: str, around: PolicyContext) -> bool:
-        """Whether it may go there."""
+        """True if the robot may go to the place."""
         if self.forbids(place, around):
             return False
         return self.only is None or _named(place, self.only, around)
 
 
 def _named(place: str, names: Sequence[str], around: PolicyContext) -> bool:
-    """Whether one of these names, as somebody wrote them, is that of the place."""
+    """True if one of these written names means the place."""
     known = around.place_meant(place) or place
     meant = ((one, around.place_meant(one)) for one in names)
     return any(own == known if own else is_same_name(one, known) for one, own in meant)
 
 
 class Speed(PolicyPart):
-    """How fast it may be steered by velocities."""
+    """Highest speeds for drives and for steering by velocities."""
 
     linear_m_s: Fast | None = Field(None, description="metres per second")
     angular_rad_s: Fast | None = Field(None, description="radians per second")
@@ -290,7 +283,7 @@ class Speed(PolicyPart):
         return self
 
     def within(self, linear_m_s: float, angular_rad_s: float) -> tuple[float, float]:
-        """Both slowed by the same factor, where one is too fast: the way stays the same arc."""
+        """The velocity, both parts slowed by the same factor if one is too fast: the arc stays."""
         over = max(
             abs(linear_m_s) / (self.linear_m_s or math.inf),
             abs(angular_rad_s) / (self.angular_rad_s or math.inf),
@@ -301,7 +294,7 @@ class Speed(PolicyPart):
 
 
 class PolicyLimits(PolicyPart):
-    """All of them; one that is not given does not limit."""
+    """Limits on all motion; a limit that is not given does not apply."""
 
     places: Places | None = Field(None, description="the places it may go to")
     distance_m: Annotated[float, Field(gt=0, le=10_000)] | None = Field(
@@ -317,7 +310,7 @@ class PolicyLimits(PolicyPart):
     )
 
     def closed(self, now: datetime) -> Reason:
-        """Why nothing may move now; none if it may."""
+        """The reason why nothing may move at this hour; empty if it may."""
         if self.hours is None or any(one.holds(now) for one in self.hours):
             return NO_REASON
         return because("policy_hours", hours=", ".join(map(str, self.hours)))
@@ -325,10 +318,10 @@ class PolicyLimits(PolicyPart):
     def against(
         self, arguments: Mapping[str, Any], around: PolicyContext, towards_rad: float = 0.0
     ) -> Reason:
-        """Why a skill may not be called with these arguments; none if it may.
+        """The reason against a skill with these arguments; empty if it is allowed.
 
-        A goal is judged by where it is: a place that was taught is a point as any other. So is the
-        end of a straight way of some distance, `towards_rad` from where the robot looks.
+        The position of a goal decides: a taught place counts as a point, and so does the end of a
+        straight way of some distance, `towards_rad` from the robot's heading.
         """
         if not (self.places or self.goals or self.hand or self.distance_m):
             return NO_REASON
@@ -351,7 +344,7 @@ class PolicyLimits(PolicyPart):
     def _off_limits(
         self, named: Sequence[str], taught: Collection[str], around: PolicyContext
     ) -> Reason:
-        """By name; what a place is called that was taught permits nothing."""
+        """Judge places by name; the name of a taught place permits nothing."""
         if self.places is None:
             return NO_REASON
         for name in named:
@@ -361,7 +354,7 @@ class PolicyLimits(PolicyPart):
         return NO_REASON
 
     def _in_place(self, points: Sequence[Sequence[float]], around: PolicyContext) -> Reason:
-        """By the place of the map that a point of the floor lies in."""
+        """Judge points of the floor by the map's place that holds them."""
         if self.places is None:
             return NO_REASON
         for point in points:
@@ -373,7 +366,7 @@ class PolicyLimits(PolicyPart):
         return NO_REASON
 
     def _passing(self, straight: Sequence[Sequence[float]], around: PolicyContext) -> Reason:
-        """A straight way may cross no place of `never`, and end where it is permitted."""
+        """Judge a straight way: it may cross no place of `never` and must end where permitted."""
         if self.places is None:
             return NO_REASON
         for point in straight:
@@ -389,9 +382,9 @@ class PolicyLimits(PolicyPart):
         around: PolicyContext,
         towards_rad: float,
     ) -> Sequence[tuple[float, float]] | None:
-        """The points of a way that is told by its length alone, None while nobody knows them.
+        """Points of a way that is given by its length alone; None while the pose is unknown.
 
-        Of the place that the robot stands in none counts: it may leave it.
+        Points in the place where the robot stands are left out: it may leave that place.
         """
         told = distance_in(arguments)
         if told is None or goals or not (self.goals or (self.places and around.places())):
@@ -439,7 +432,7 @@ def _along(here: Pose2D, distance_m: float, towards_rad: float) -> list[tuple[fl
 def _leaving(
     way: Sequence[tuple[float, float]], here: Pose2D, around: PolicyContext
 ) -> Sequence[tuple[float, float]]:
-    """The way from where it leaves the place in which the robot stands; its end always counts."""
+    """The part of the way outside the place where the robot stands; its end always counts."""
     start = around.place_at(here.x_m, here.y_m)
     out = next((n for n, one in enumerate(way) if around.place_at(*one) != start), len(way) - 1)
     return way[out:] if start is not None else way
