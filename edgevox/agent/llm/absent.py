@@ -1,4 +1,4 @@
-"""Stands in for a language model that was asked for and could not be had."""
+"""The stand-in for a language model that was asked for but could not be loaded."""
 
 from collections.abc import Iterator, Sequence
 

@@ -1,6 +1,6 @@
-"""One way to get a language model, whichever engine is installed.
+"""The factory of language models, for whichever engine is installed.
 
-What the processor of this machine can do, as ``/proc/cpuinfo`` says; psutil does not tell.
+It reads the processor's features from ``/proc/cpuinfo``, because psutil does not tell them.
 """
 
 import importlib.util

@@ -1,4 +1,4 @@
-"""What the conversation needs of a language model."""
+"""The interface of language models, and their errors."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -16,7 +16,7 @@ class ModelFailed(EdgeVoxError):
 
 
 class ModelBusy(ModelFailed):
-    """It is well, but has no room for this question; a later one may be answered."""
+    """The model works but has no room for this question; it may answer a later one."""
 
 
 @dataclass(frozen=True, slots=True)

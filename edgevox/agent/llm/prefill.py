@@ -1,4 +1,4 @@
-"""Reads a chat's opening into a model while the robot is already of use."""
+"""The prefill: a model reads a chat's opening while the robot already obeys plain commands."""
 
 import threading
 from collections.abc import Callable, Sequence

@@ -1,4 +1,4 @@
-"""What the language model, on board or on a server, says of itself: the component `llm`."""
+"""The component `llm` of the status: the language model on board or on a server."""
 
 from pathlib import Path
 

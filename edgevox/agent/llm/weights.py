@@ -1,6 +1,6 @@
-"""What a GGUF file promises about itself, read before an engine is trusted with it.
+"""Checks of a GGUF file before an engine loads it, and of the memory that it needs.
 
-What a language model takes of memory, and what there is: for its loader and for the doctor.
+The loader of models and the doctor use both.
 """
 
 import math

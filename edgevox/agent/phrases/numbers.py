@@ -58,7 +58,7 @@ def digits(text: str, language: str = "en") -> str:
 
 
 def is_exact(text: str, language: str = "en") -> bool:
-    """Whether each number of this text can be read as it is written.
+    """True if each number of this text can be read as it is written.
 
     "1.5.2", "5'", "3-4" and "17:30" are more than the number that stands in them, and "1,500" may
     be two numbers: nothing may be done by a part of one.

@@ -15,7 +15,7 @@ from edgevox.core.files.validation import dotted, explain
 from edgevox.core.reason import Reason
 
 MOST_CHARACTERS = 40
-"""So much of a wrong value is said."""
+"""Number of characters of a wrong value that are said."""
 
 _NO_NUMBER = ("float_type", "float_parsing", "int_type", "int_parsing", "finite_number")
 _LIMITS = ("le", "lt", "ge", "gt")
@@ -122,7 +122,7 @@ class SkillFailed(EdgeVoxError):
 
 
 def reason_of(error: EdgeVoxError) -> Reason:
-    """Why something was not done, from what was raised."""
+    """The reason of an exception."""
     if isinstance(error, WrongArgument):
         return error.why
     return error.reason if isinstance(error, SkillFailed) else Reason(str(error))

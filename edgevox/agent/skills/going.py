@@ -12,12 +12,12 @@ _TO_PLACE = "navigate_to"
 
 
 def no_way_back(skills: Iterable[Skill]) -> Reason:
-    """Why it cannot go to where it was; who goes somewhere is told what to say instead."""
+    """The reason why a robot cannot go back; if it can go to places, with a hint what to say."""
     return because("cannot_go_back") if _goes(skills) else because("cannot_drive")
 
 
 def no_further(skills: Iterable[Skill]) -> Reason:
-    """Why what it did last cannot go on further."""
+    """The reason why the last motion cannot go on further."""
     return because("not_relative") if _goes(skills) else because("has_no_further")
 
 

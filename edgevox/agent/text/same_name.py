@@ -18,7 +18,7 @@ from edgevox.core.language_files import EVERY_LANGUAGE
 _SHORTEST = 3
 """So many letters stay at least where an ending or a single letter is taken away."""
 _SHORTEST_SLIP, _NEAR = 5, 0.85
-"""How long a name must be, and how alike another, to be a slip for it."""
+"""Least length of a name, and least similarity of another, for a slip."""
 _MOST_SINGULARS = 256
 _DASHES = str.maketrans(dict.fromkeys("-_/.\N{EN DASH}\N{EM DASH}\N{MINUS SIGN}", " "))
 _LOOKALIKES = str.maketrans(
@@ -79,7 +79,7 @@ def names_near(name: str, known: Mapping[str, str]) -> tuple[str, ...]:
 
 
 def is_same_name(one: str, other: str) -> bool:
-    """Whether two names are the same, or one is the plural of the other."""
+    """True if two names are the same, or one is the plural of the other."""
     return bool(names_meant(one, {other: other}))
 
 

@@ -24,7 +24,7 @@ TYPED_ALIKE: Mapping[str, str] = {
 """Letters that have no accent to take away, and are typed for each other all the same."""
 _TYPED_ALIKE = str.maketrans(dict(TYPED_ALIKE))
 ENDING = 2
-"""How many letters an ending may add to a name."""
+"""Number of letters that an ending may add to a name."""
 _SHORTEST_STEM = 4
 _UMLAUT = re.compile("([aou])e")
 _APOSTROPHE = re.compile(r"(?<=\w)' ?(?=\w)")
@@ -62,7 +62,7 @@ def folded(text: str) -> str:
 
 
 def key(text: str) -> str:
-    """What two spellings of one word have in common."""
+    """The key that two spellings of one word share."""
     plain = folded(separated(one_form(text.replace("_", " "))))
     return unpunctuated(plain.casefold())
 

@@ -43,7 +43,7 @@ def fields(template: str) -> set[str]:
 
 
 def spoken_name(argument: str) -> str:
-    """How phrasebooks call an argument or a result of this name."""
+    """The name of an argument or a result in phrasebooks."""
     return _ONE_NAME.get(argument, argument)
 
 
@@ -52,19 +52,20 @@ _NO_WORD = {"name": "{name}"}
 
 @dataclass(frozen=True, slots=True)
 class Word:
-    """A word that an argument or a result may be, in the forms that sentences need.
-
-    `name` with its article, `to` and `at` with the prepositions of going and of being there,
-    `taken` as what somebody grasps. `heard` is what people say for it, `hints` are sentences of
-    people who mean it without saying it.
-    """
+    """A word for an argument or a result, in the forms that sentences need."""
 
     name: str
+    """The word with its article."""
     to: str
+    """The form with the preposition of going there."""
     at: str
+    """The form with the preposition of being there."""
     taken: str
+    """The form as the object of grasping."""
     heard: tuple[str, ...] = ()
+    """Other words that people say for it."""
     hints: tuple[str, ...] = ()
+    """Sentences that mean the word without naming it."""
 
     def __str__(self) -> str:
         return self.name

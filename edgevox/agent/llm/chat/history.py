@@ -1,4 +1,4 @@
-"""What was said, kept within the model's context window."""
+"""The history of a chat, kept within the model's context window."""
 
 from collections.abc import Callable, Sequence
 

@@ -1,6 +1,6 @@
-"""The embedded model answers while the shared one cannot.
+"""The fallback: the embedded model answers while the shared one cannot.
 
-Leaves alone for a while what has just failed.
+`Breaker` leaves a failed server alone for a while.
 """
 
 import threading
