@@ -43,7 +43,7 @@ GOAL_ENDS = (GoalStatus.SUCCEEDED, GoalStatus.FAILED, GoalStatus.CANCELLED)
 
 @dataclass(frozen=True, slots=True)
 class ToolCalled:
-    """A skill was called."""
+    """A skill was called, by `template`, `reading`, `model`, `command`, `action` or `program`."""
 
     kind: ClassVar = AgentEventKind.TOOL_CALL
     skill: str
@@ -51,7 +51,7 @@ class ToolCalled:
     arguments: Mapping[str, Any]
     """Its checked arguments."""
     source: str
-    """The caller: a stage of understanding such as ``template`` or ``model``, or ``command``,
+    """The caller: a stage of understanding (``template``, ``reading``, ``model``), or ``command``,
     ``action`` or ``program``."""
     turn: int
     """Number of the turn that called; 0 for none."""
@@ -59,7 +59,7 @@ class ToolCalled:
 
 @dataclass(frozen=True, slots=True)
 class GoalChanged:
-    """A goal was accepted, runs, progressed, succeeded or failed."""
+    """A goal was accepted, runs, progressed, succeeded or failed; `turn` is 0 without a turn."""
 
     kind: ClassVar = AgentEventKind.SKILL_GOAL
     goal_id: str
@@ -133,7 +133,7 @@ class HeardBy(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class SafetyPreempted:
-    """A stop word was heard."""
+    """A stop word was heard; `stopped` tells whether there was anything to stop."""
 
     kind: ClassVar = AgentEventKind.SAFETY_PREEMPT
     word: str
@@ -146,7 +146,7 @@ class SafetyPreempted:
 
 @dataclass(frozen=True, slots=True)
 class SoftwareStopChanged:
-    """The software stop was engaged or released."""
+    """The software stop was engaged or released; `by` tells by whom, for people to read."""
 
     kind: ClassVar = AgentEventKind.SOFTWARE_STOP
     engaged: bool
@@ -165,7 +165,7 @@ class DrainStatus(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class DrainChanged:
-    """The agent drains: running motion may finish, and nothing new begins."""
+    """The agent drains: motion may finish within `within_s` seconds, and nothing new begins."""
 
     kind: ClassVar = AgentEventKind.DRAIN
     status: DrainStatus
@@ -198,7 +198,7 @@ class AskedCall:
 
 @dataclass(frozen=True, slots=True)
 class Confirmation:
-    """A yes-or-no question before calls was asked, answered or withdrawn."""
+    """A question before calls was asked, answered or withdrawn; `turn` is the turn that asked."""
 
     kind: ClassVar = AgentEventKind.CONFIRMATION
     status: ConfirmationStatus
@@ -225,7 +225,7 @@ class ProgramStatus(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class ProgramChanged:
-    """A program waits, runs, began another round, or ended."""
+    """A program waits, runs, began another round, or ended; `text` describes it in words."""
 
     kind: ClassVar = AgentEventKind.PROGRAM
     program_id: str

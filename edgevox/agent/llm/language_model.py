@@ -21,7 +21,7 @@ class ModelBusy(ModelFailed):
 
 @dataclass(frozen=True, slots=True)
 class ChatMessage:
-    """One message of a chat."""
+    """A message of a chat."""
 
     role: Literal["system", "user", "assistant"]
     content: str
@@ -54,7 +54,7 @@ class LanguageModel(Protocol):
         """Read these messages now, so that a chat that begins with them is answered sooner."""
 
     def count_tokens(self, text: str) -> int:
-        """How many tokens this text takes."""
+        """Number of tokens of this text."""
 
     def close(self) -> None:
         """Free the model's memory and end its threads; what is being generated ends with them."""

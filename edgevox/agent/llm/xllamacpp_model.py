@@ -168,7 +168,7 @@ class XllamacppModel:
             pass
 
     def count_tokens(self, text: str) -> int:
-        """How many tokens this text takes."""
+        """Number of tokens of this text."""
         if self._closed.is_set():
             raise ModelFailed(f"{self.name} is closed")
         reply = post(self._socket, "/tokenize", {"content": text}, self._key)

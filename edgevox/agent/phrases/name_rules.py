@@ -64,7 +64,7 @@ class TemplateScanner:
         self._known: dict[str, TemplateWords] = {}
 
     def scan(self, template: str) -> TemplateWords:
-        """Those of a template, and of the rules in it."""
+        """The words of a template, and of the rules in it."""
         spelled = folded(separated(one_form(template))).casefold()
         return self._alternatives(iter(_PART.findall(spelled)), "")
 
@@ -156,7 +156,7 @@ def check_name(field: str, name: str) -> None:
 
 
 def check_skills(skills: Iterable[Skill]) -> None:
-    """The same for the names of skills, and the words that their arguments may be.
+    """Check the names of skills, and the words of their arguments, as `check_name` does.
 
     Raises `InvalidValue` naming the skill, and its argument.
     """
@@ -234,14 +234,14 @@ def name_clash(
 
 
 def _common_words(words: Iterable[str]) -> Mapping[str, str]:
-    """What people say in any language for those of these words that all phrasebooks know."""
+    """Spoken forms, in any language, of those words that phrasebooks know, to the words."""
     forms = {name_form(word): word for word in words}
     return {said: forms[form] for form in forms for said in _heard_anywhere().get(form, ())}
 
 
 @cache
 def _heard_anywhere() -> Mapping[str, tuple[str, ...]]:
-    """What people say for the words of all phrasebooks, by the form of these words."""
+    """Spoken forms of the words of all phrasebooks, by the words' name forms."""
     found: dict[str, tuple[str, ...]] = {}
     for code in LANGUAGES:
         for word, forms in phrasebook(code).words.items():
@@ -384,7 +384,7 @@ def _templates(code: str) -> Mapping[str, Sequence[_SpokenTemplate]]:
 
 @cache
 def _taken(code: str) -> frozenset[str]:
-    """What people say in this language that is no name, in the spelling of `key`."""
+    """Sentences of this language that are no names, in the spelling of `key`."""
     book = phrasebook(code)
     stopping = (
         sentence

@@ -179,7 +179,7 @@ MOST_SPOKEN = 4
 
 
 def brief(book: "Phrasebook", names: Sequence[str], said: str = "") -> str:
-    """These words as they are spoken: of many only those nearest to what was said."""
+    """The words as a spoken list; of many, only those nearest to the words `said`."""
     if len(names) <= MOST_SPOKEN:
         return book.listing(names)
     near = sorted(names, key=lambda name: -_nearness(book, name, said)) if said else names
@@ -194,7 +194,7 @@ def whole(book: "Phrasebook", names: Sequence[str]) -> str:
 
 
 def detail(book: "Phrasebook", why: Reason) -> str:
-    """What a reason leaves out where it is spoken: most of a long list, and names of topics."""
+    """The written part of a reason: the whole of its long lists, and names of topics."""
     lists = [value for value in why.values.values() if isinstance(value, tuple)]
     topic = book.say("topic", topic=why.values["topic"]) if "topic" in why.values else ""
     return " ".join(filter(None, (*(whole(book, names) for names in lists), topic)))
@@ -206,9 +206,9 @@ def _nearness(book: "Phrasebook", name: str, said: str) -> float:
 
 
 _OTHER = "other"
-"""What an argument is called that has no name of its own."""
+"""Key for the name of an argument without a name of its own."""
 _WORD = "word"
-"""What kind of thing its words are, where a sentence of the language says so."""
+"""Key for the kind of an argument's words, if the argument is unknown."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -245,7 +245,7 @@ class Phrasebook:
     fallback: "Phrasebook | None" = None
 
     def say(self, name: str, **values: Any) -> str:
-        """One of the agent's own sentences. Raises `KeyError` for one that no language has."""
+        """A sentence of the agent itself. Raises `KeyError` if no language has it."""
         sentence = self.sentences.get(name)
         if sentence is None and self.fallback:
             return self.fallback.say(name, **values)

@@ -1,7 +1,4 @@
-"""What is wrong with a call: for programs as every error says it, for people as a reason.
-
-Why a skill does not do what was asked, as what is raised and as a reason that people hear.
-"""
+"""Failures of calls: exceptions for programs, each with a reason for people."""
 
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""Whether a body goes anywhere, by its skills: what it is asked that needs that has a reason."""
+"""Reasons to refuse motions that a body's skills do not allow."""
 
 from collections.abc import Iterable
 

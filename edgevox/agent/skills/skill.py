@@ -37,7 +37,7 @@ STOP = "stop"
 
 
 class GoalHandle(Protocol):
-    """What a running skill sees of its goal."""
+    """The goal, as a running skill sees it."""
 
     @property
     def token(self) -> CancelToken:
@@ -48,7 +48,7 @@ class GoalHandle(Protocol):
 
 
 def _takes_any_words(schema: Any) -> bool:
-    """Whether a value by this JSON schema can hold a string that the schema does not list."""
+    """True if a value of this JSON schema can hold a string that the schema does not list."""
     if isinstance(schema, list):
         return any(_takes_any_words(one) for one in schema)
     if not isinstance(schema, Mapping) or "enum" in schema or "const" in schema:
@@ -144,7 +144,7 @@ class Skill:
 
     @property
     def drives(self) -> bool:
-        """Whether it sets the body in motion."""
+        """True if the skill sets the body in motion."""
         return self.moves and self.name != STOP
 
     @property
@@ -164,7 +164,7 @@ class Skill:
 
     @property
     def callable_now(self) -> bool:
-        """Whether every argument that it needs has a word to choose from."""
+        """True if every required argument has a word to choose from."""
         fields = self.arguments_model.model_fields
         return all(one.words for name, one in self.choices.items() if fields[name].is_required())
 
@@ -201,7 +201,7 @@ class Skill:
         return checked
 
     def from_words(self, said: Mapping[str, str]) -> dict[str, Any]:
-        """What the words of a sentence are as values of these arguments, where they are one."""
+        """Words of a sentence as values of the arguments' types, where possible."""
         return from_words(self.arguments_model, said)
 
 
@@ -279,7 +279,7 @@ class SkillSet(Mapping[str, Skill]):
         return len(self._skills)
 
     def words(self) -> tuple[tuple[tuple[str, str], ...], ...]:
-        """What may now be said for what word: what was made of others is outdated."""
+        """All spoken forms of all words now; tables derived from other words are stale."""
         return tuple(
             tuple(choices.spoken().items())
             for one in self._skills.values()

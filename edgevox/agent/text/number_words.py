@@ -19,7 +19,7 @@ class NumberWords:
     values: Mapping[str, float]
 
     def as_digits(self, text: str) -> str:
-        """The same text with these words as digits."""
+        """The text with these words as digits."""
         return self.pattern.sub(lambda match: f"{self.values[key(match[0])]:g}", text)
 
 

@@ -1,4 +1,4 @@
-"""One spelling of what a recogniser reads and what it is compared with.
+"""Spelling in one form, for the text of a recogniser and for the words to compare it with.
 
 It begins with the one form of each character that `core.text` gives any text from outside.
 """
@@ -68,7 +68,7 @@ def key(text: str) -> str:
 
 
 def is_same_name(said: str, name: str, *, inflected: bool) -> bool:
-    """Whether these keys are one name and not only alike: "living room", "livingroom", "kueche".
+    """True if these keys are one name, not only similar: "living room", "livingroom", "kueche".
 
     Names of languages that are `inflected` may end otherwise.
     """

@@ -13,7 +13,7 @@ from edgevox.core.files.yaml_file import value_key
 from edgevox.core.reason import Named
 
 _ONE_NAME = {"location": "room"}
-"""What phrasebooks call by another name: all places are spoken of as rooms."""
+"""Names of arguments that phrasebooks replace: all places are rooms to them."""
 
 
 def bare(sentence: str) -> str:
@@ -71,7 +71,7 @@ class Word:
         return self.name
 
     def called(self, name: str) -> "Word":
-        """The same forms, of another name."""
+        """The word's forms with another name."""
         forms = (self.name, self.to, self.at, self.taken)
         named, to, at, taken = (form.replace("{name}", name) for form in forms)
         return Word(named, to, at, taken, heard=(name,))

@@ -144,11 +144,11 @@ class Matcher:
 
     @property
     def complete(self) -> bool:
-        """Whether the text may end here."""
+        """True if the text may end here."""
         return None in self._stacks
 
     def accept(self, piece: str) -> int:
-        """How many characters of the piece still obey; all after the first wrong one are lost."""
+        """Take a piece; return how many of its characters obey, up to the first wrong one."""
         for count, character in enumerate(piece):
             after = {
                 stack

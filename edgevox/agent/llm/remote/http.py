@@ -1,6 +1,6 @@
-"""One HTTP request on a thread of its own, so that whoever waits for it can always walk away.
+"""HTTP requests on threads of their own, so that a caller can always stop waiting.
 
-Server-sent events of a chat, as OpenAI-compatible servers send them.
+`pieces` reads the server-sent events of a chat, as OpenAI-compatible servers send them.
 """
 
 import contextlib
@@ -153,7 +153,7 @@ class HttpRequest:
 
     @property
     def running(self) -> bool:
-        """Whether the thread still is there."""
+        """True while the thread is alive."""
         return self._thread.is_alive()
 
     def _next(self) -> int | bytes | None:
