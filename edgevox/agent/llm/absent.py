@@ -9,7 +9,7 @@ from edgevox.core.cancel import CancelToken
 class AbsentModel:
     """Implements `LanguageModel`: it never answers, and says why.
 
-    So a robot without its model comes up, obeys plain commands, and tells whoever asks for more.
+    So a robot without its model starts, obeys plain commands, and says why it cannot do more.
     """
 
     name = "none"

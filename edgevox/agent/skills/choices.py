@@ -1,4 +1,4 @@
-"""Annotations of a skill's arguments: one of some words, or a name that nobody gave before."""
+"""Annotations of a skill's arguments: one of some words, or a new name."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
@@ -82,7 +82,7 @@ class OneOf:
 
 @dataclass(frozen=True, slots=True)
 class NewName:
-    """Annotates a string argument that is a name which somebody gives now: "call this the dock".
+    """Annotates a string argument that is a new name: "call this the dock".
 
     A sentence gives it without its article; the `places` of a phrasebook are usual ones.
     """

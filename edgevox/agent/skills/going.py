@@ -12,12 +12,12 @@ _TO_PLACE = "navigate_to"
 
 
 def no_way_back(skills: Iterable[Skill]) -> Reason:
-    """The reason why a robot cannot go back; if it can go to places, with a hint what to say."""
+    """The reason why a robot cannot go back; another one if it cannot drive at all."""
     return because("cannot_go_back") if _goes(skills) else because("cannot_drive")
 
 
 def no_further(skills: Iterable[Skill]) -> Reason:
-    """The reason why the last motion cannot go on further."""
+    """The reason why a motion cannot go on further; another one if the robot cannot drive."""
     return because("not_relative") if _goes(skills) else because("has_no_further")
 
 

@@ -41,7 +41,7 @@ class GoalHandle(Protocol):
 
     @property
     def token(self) -> CancelToken:
-        """Cancelled when somebody wants this goal to end."""
+        """The token that is cancelled to end this goal."""
 
     def report(self, **feedback: Any) -> None:
         """Say how far it is, as JSON-ready values (``progress`` is 0 to 1)."""
@@ -159,7 +159,7 @@ class Skill:
 
     @property
     def new_names(self) -> frozenset[str]:
-        """The arguments that are names which somebody gives now."""
+        """The arguments that are new names."""
         return frozenset(name for name, extra in self._notes if isinstance(extra, NewName))
 
     @property
@@ -179,7 +179,7 @@ class Skill:
 
     @property
     def free_text(self) -> frozenset[str]:
-        """The arguments that take any words, so that they may hold what somebody said."""
+        """The arguments that take any words, and so may hold words of the person."""
         if not self.arguments_model.model_fields:
             return frozenset()
         properties: Mapping[str, Any] = self.schema.get("properties", {})

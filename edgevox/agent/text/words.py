@@ -78,7 +78,7 @@ class Word:
 
 
 def word_of(data: Mapping[str, Any] | None) -> Word:
-    """A word of a phrasebook's file; without one the forms of a word that nobody knows."""
+    """A word of a phrasebook's file; without data, the forms of an unknown word."""
     data = data or _NO_WORD
     name = data["name"]
     return Word(
