@@ -1,4 +1,4 @@
-"""Agents: who talks. An app may have several, and one may hand the conversation to another."""
+"""Agents, the roles that talk: an app may have several, and one may hand over to another."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -10,25 +10,27 @@ from edgevox.core.errors import InvalidValue
 
 @dataclass(frozen=True)
 class Agent:
-    """A role in the conversation: instructions, skills, and to whom it may hand over.
-
-    `dialogue_skills` are asked by plain sentences only; a model is not told of them.
-    """
+    """A role in the conversation."""
 
     name: str
+    """The name, unique among the agents."""
     instructions: str
+    """Instructions for the language model."""
     skills: SkillSet = field(default_factory=lambda: SkillSet(()))
+    """Skills that plain sentences and the language model may call."""
     handoffs: tuple[str, ...] = ()
+    """Names of the agents to which this one may hand over."""
     dialogue_skills: SkillSet = field(default_factory=lambda: SkillSet(()))
+    """Skills that only plain sentences may call; the language model is not told of them."""
 
     @cached_property
     def every_skill(self) -> SkillSet:
-        """What plain sentences can ask of it."""
+        """All skills that plain sentences may call."""
         return SkillSet([*self.skills.values(), *self.dialogue_skills.values()])
 
 
 def by_name(agents: Sequence[Agent]) -> dict[str, Agent]:
-    """Agents by name, the first one first. Raises `InvalidValue` for a hand-off to nobody."""
+    """Agents by name, in their order. Raises `InvalidValue` for a hand-off to an unknown name."""
     known = {agent.name: agent for agent in agents}
     if not known:
         raise InvalidValue("agents", [], "at least one agent")
@@ -40,6 +42,6 @@ def by_name(agents: Sequence[Agent]) -> dict[str, Agent]:
 
 
 def skills_of(agents: Sequence[Agent]) -> SkillSet:
-    """The skills of all of them; of two that have one name, the last one's."""
+    """The skills of all agents; of two skills with the same name, the later one."""
     skills = {name: one for agent in agents for name, one in agent.skills.items()}
     return SkillSet(skills.values())

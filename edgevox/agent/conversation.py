@@ -1,6 +1,6 @@
 """The conversation: commands in, events out, on one thread; stopping never waits for it.
 
-What is done in a turn, by what began it: words are conversed about, all else is one step.
+`Conversation` takes commands and owns the thread; `TurnHandler` does the work of one turn.
 """
 
 import itertools
@@ -58,7 +58,10 @@ log = get_logger(__name__)
 
 
 class TurnHandler:
-    """Used from the conversation's thread. `skills` are those of all agents."""
+    """Carries out one inbox item as a turn, on the conversation's thread.
+
+    `skills` must hold the skills of all agents.
+    """
 
     def __init__(
         self,
@@ -78,7 +81,10 @@ class TurnHandler:
         self._states = states
 
     def handle(self, item: inbox.Item, turn: Turn, put_s: float) -> None:
-        """Do it to the end, whatever happens. `put_s` is when it was put into the inbox."""
+        """Carry out the item to its end; log an exception and apologise instead of raising it.
+
+        `put_s` is the clock's time when the item was put into the inbox.
+        """
         try:
             self._do(item, turn, put_s)
         except Exception:
@@ -112,7 +118,7 @@ class TurnHandler:
                 self._interpreter.set_language(code)
                 self._asking.set_language()
             case inbox.Settle():
-                pass  # it needs no more than its turn
+                pass  # ending this turn brings the state back to listening
             case _:
                 assert_never(item)
 
@@ -131,10 +137,7 @@ class TurnHandler:
 class Conversation:
     """Owns the turns. `submit` and `start_goal` may be called from any thread and never block.
 
-    Stop words, `Interrupt` and `Reset` act on the calling thread, at once (`Stopping`). `halt`,
-    `pose` and `senses` are the body's, `interlock` may forbid motion, `guard` any skill but to
-    stop, `timer` wakes programs, `phonemes` tell what misheard words sound like. Without a
-    `speech_output` it only writes.
+    Stop words, `Interrupt` and `Reset` act on the calling thread, at once (`Stopping`).
     """
 
     def __init__(
@@ -156,6 +159,25 @@ class Conversation:
         senses: Senses = NO_SENSES,
         timer: Timer | None = None,
     ) -> None:
+        """Build the parts of a conversation; `start` starts its threads.
+
+        Args:
+            agents: The agents, the first of which speaks first.
+            bus: Carries every event of the conversation.
+            halt: Brakes the body and tells why; returns whether anything moved.
+            model: Decides what templates and the decider cannot; None for no language model.
+            speech_output: Speaks the answers; None to only write them.
+            language: ISO 639-1 code of the first language.
+            confirm: When to ask before the robot moves: see the setting `confirm`.
+            clock: The time of everything here; the system's by default.
+            interlock: Forbids motion and numbers the stops; one that forbids nothing by default.
+            guard: The policy, which may forbid any skill except to stop; None allows all.
+            decider: Reads orders that no template fits; None leaves those to the model.
+            phonemes: Pronunciations, to recognise misheard words by their sounds.
+            pose: Returns the body's pose on the map; None for a body that has none.
+            senses: The body's senses, for programs with a condition.
+            timer: Wakes programs at their time; a timer of its own by default.
+        """
         self._bus = bus
         self._clock = clock or SystemClock()
         self._inbox = inbox.Inbox(self._clock)
@@ -216,7 +238,7 @@ class Conversation:
         self._thread = threading.Thread(target=self._work, name="edgevox-conversation")
 
     def start(self) -> None:
-        """Begin to listen."""
+        """Start the threads and take commands."""
         self._executor.start()
         self.programs.start()
         self._states.start()
@@ -224,17 +246,17 @@ class Conversation:
 
     @property
     def alive(self) -> bool:
-        """Whether its thread works, unless it was not started yet or was closed."""
+        """True unless the thread died: also before `start` and after `close`."""
         return self._inbox.closed or self._thread.ident is None or self._thread.is_alive()
 
     @property
     def busy(self) -> bool:
-        """Whether any goal runs or waits to."""
+        """Whether any goal runs or waits to run."""
         return self._executor.busy
 
     @property
     def refusals(self) -> Mapping[str, int]:
-        """How much was not taken, by `Refusal`."""
+        """Number of refused commands, by `Refusal`."""
         return self._inbox.refusals
 
     def close(self) -> None:
@@ -247,10 +269,10 @@ class Conversation:
             self._thread.join()
 
     def submit(self, command: ConversationCommand, mark: int | None = None) -> None:
-        """Take a command, on the caller's thread: what cannot wait is done, the rest is queued.
+        """Take a command on the caller's thread: stop at once, or queue it for a turn.
 
-        `mark` is the interlock's when it was received, now by default: what was received before a
-        stop is no longer done. A stop always is.
+        `mark` is the interlock's mark when the command was received, now by default. A command
+        that was received before a stop is dropped; a stop never is.
         """
         mark = self._interlock.mark if mark is None else mark
         match command:
@@ -276,20 +298,20 @@ class Conversation:
         self._executor.begin(call, self._skills, None, asked.way, self._interlock.mark)
 
     def stop(self, reason: Reason) -> None:
-        """Stop everything at once, without a word."""
+        """Stop everything at once and say nothing."""
         self._stopping.stop(reason)
 
     def is_stop(self, text: str) -> bool:
-        """Whether these words would stop the robot."""
+        """True if these words would stop the robot."""
         return self._stopping.is_stop(text)
 
     def set_language(self, code: str) -> None:
-        """Hear stop words of this language at once, and the rest from the next sentence on."""
+        """Use this language: at once for stop words, from the next sentence on for the rest."""
         self._stopping.set_language(code)
         self._inbox.put(inbox.SwitchLanguage(code))
 
     def set_confirm(self, confirm: Confirm) -> None:
-        """When somebody is asked before the robot drives, from the next sentence on."""
+        """Set when the robot asks before it drives, from the next sentence on."""
         self._asking.confirm = confirm
 
     def check_goal(
@@ -299,7 +321,10 @@ class Conversation:
         way: Way = Way.ACTION,
         mark: int | None = None,
     ) -> None:
-        """Raise what `start_goal` would raise; but that a refusal is told, nothing happens."""
+        """Raise what `start_goal` would raise, without starting the goal.
+
+        The bus carries a `GoalRejected` for a refusal; nothing else happens.
+        """
         self._executor.check(Call(name, arguments), self._skills, way, mark=mark)
 
     def start_goal(
@@ -310,19 +335,21 @@ class Conversation:
         way: Way = Way.ACTION,
         mark: int | None = None,
     ) -> Goal:
-        """Run one skill for a program, without a turn: it is seen on the bus and never spoken of.
+        """Run one skill for a program, without a turn: the bus reports it, the robot is silent.
 
-        Whatever moves pre-empts whatever moves, asked for in words or not, and stop words end it.
-        A skill that moves nothing pre-empts nothing. `mark` is the interlock's when it was
-        received, now by default. Raises `InvalidValue` (`UnknownSkill` for the name) or
-        `SkillFailed` (too many wait, a stop came after it, the policy forbids it); nothing has
-        happened then but that the bus tells of a `GoalRejected`.
+        A skill that moves pre-empts any other skill that moves, and stop words end it. A skill
+        that moves nothing pre-empts nothing. `mark` is the interlock's mark when the request was
+        received, now by default.
+
+        Raises `InvalidValue` (`UnknownSkill` for the name) or `SkillFailed` (too many goals wait,
+        a stop came after the request, the policy forbids it). The bus then carries a
+        `GoalRejected`, and nothing else has happened.
         """
         mark = self._interlock.mark if mark is None else mark
         return self._executor.begin(Call(name, arguments), self._skills, goal_id, way, mark)
 
     def wait_idle(self, timeout_s: float | None = None) -> bool:
-        """Block until nothing is said, thought or done, goals too; False after the timeout."""
+        """Block until no turn or goal runs or waits; False after the timeout."""
         deadline_s = None if timeout_s is None else self._clock.now() + timeout_s
         while True:
             left_s = None if deadline_s is None else max(0.0, deadline_s - self._clock.now())
@@ -346,7 +373,7 @@ class Conversation:
 
     def _work(self) -> None:
         while not self._inbox.closed:
-            with self._inbox.gate:  # a stop finds it waiting or finds its turn
+            with self._inbox.gate:  # a stop finds the item in the inbox or in its turn
                 item = self._inbox.take(self._question.expires_in_s)
                 turn = self._new_turn(item) if item else None
                 self._turn = turn if item and inbox.can_be_stopped(item) else None

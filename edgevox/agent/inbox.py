@@ -1,4 +1,4 @@
-"""What waits for the conversation's thread: no more than so many, each of a bounded length."""
+"""The conversation's queue: a bounded number of items, each of a bounded length."""
 
 import threading
 from collections import Counter, deque
@@ -15,52 +15,52 @@ from edgevox.core.ways import Way
 log = get_logger(__name__)
 
 MAX_WAITING = 64
-"""How many utterances may wait. One more is refused; a stop never is."""
+"""Number of requests that may wait. One more is refused; a stop never is."""
 LIMITS: Mapping[Refusal, int] = {
     Refusal.TOO_LONG: MAX_CHARACTERS,
     Refusal.TOO_MANY: MAX_WAITING,
 }
-"""Why something that is asked may not be taken, and how much is."""
+"""The reasons to refuse a request, each with its limit (characters, requests)."""
 
 
 @dataclass(frozen=True, slots=True)
 class Announce:
-    """Something to say that nobody asked for now: a goal ended, the robot stopped.
-
-    `detail` belongs to it, and is only written.
-    """
+    """A sentence that no turn asked for: a goal ended, the robot stopped."""
 
     text: str
+    """The sentence to say."""
     detail: str = ""
+    """Text that is written beside the sentence and not spoken."""
 
 
 @dataclass(frozen=True, slots=True)
 class Forget:
-    """Forget what was said, between turns."""
+    """Forget the conversation so far, between turns."""
 
 
 @dataclass(frozen=True, slots=True)
 class Settle:
-    """Say that the conversation listens again, after a stop that cut no turn."""
+    """Return to the state `listening`, after a stop that cut no turn."""
 
 
 @dataclass(frozen=True, slots=True)
 class SwitchLanguage:
-    """Understand another language, between turns."""
+    """Switch to another language, between turns."""
 
     code: str
+    """ISO 639-1 code."""
 
 
 @dataclass(frozen=True, slots=True)
 class TooLong:
-    """Words that are more than is taken, `length` characters; `beginning` is kept of them.
-
-    `asked` says whether they were for the agent, or to be said aloud.
-    """
+    """Replaces a text that is longer than `MAX_CHARACTERS`."""
 
     length: int
+    """Number of characters of the whole text."""
     beginning: str
+    """The first `MAX_CHARACTERS` characters."""
     asked: bool
+    """True if the text was for the agent, False if it was to be said aloud."""
 
 
 Item = TextInput | Heard | Speak | RunSkill | TooLong | Announce | Forget | Settle | SwitchLanguage
@@ -68,11 +68,13 @@ Item = TextInput | Heard | Speak | RunSkill | TooLong | Announce | Forget | Sett
 
 @dataclass(frozen=True, slots=True)
 class _Waiting:
-    """An item, the clock's time when it was put, and the interlock's mark when it was asked for."""
+    """An item in the queue."""
 
     item: Item
     put_s: float
+    """The clock's time when the item was put."""
     mark: int
+    """The interlock's mark when the item was asked for."""
 
 
 _ASKED = TextInput | Heard | Speak | RunSkill
@@ -80,17 +82,15 @@ _HOUSEKEEPING = Forget | Settle | SwitchLanguage
 
 
 class Inbox:
-    """A queue in the order of asking: anybody puts, one thread takes and is then at work.
-
-    `gate` is held while it changes; hold it to do something together with a change. `since_s` is
-    the clock's time when what was taken last had been put, `mark` is what it was put with: the
-    mark of the interlock when it was asked for.
-    """
+    """A first-in, first-out queue: any thread puts; one thread takes, and works until `done`."""
 
     def __init__(self, clock: Clock | None = None) -> None:
         self.gate = threading.Condition()
+        """Held while the queue changes; hold it to do something together with a change."""
         self.since_s = 0.0
+        """The clock's time when the item that was taken last had been put."""
         self.mark = 0
+        """The interlock's mark when the item that was taken last was asked for."""
         self._clock = clock or SystemClock()
         self._items: deque[_Waiting] = deque()
         self._at_work = False
@@ -99,19 +99,19 @@ class Inbox:
 
     @property
     def closed(self) -> bool:
-        """Whether nothing is taken any more."""
+        """True once `close` was called: the inbox takes nothing any more."""
         return self._closed
 
     @property
     def idle(self) -> bool:
-        """Whether nothing waits and nobody is at work."""
+        """True if no item waits and the taking thread is not at work."""
         with self.gate:
             return not (self._items or self._at_work)
 
     def put(self, item: Item, mark: int = 0) -> Refusal | None:
-        """Let it wait; else why not, which is counted and logged.
+        """Queue the item and return None, or return why not; a refusal is counted and logged.
 
-        What is too long is told so in its turn.
+        A text that is too long is queued as `TooLong`, so that its turn tells the person.
         """
         with self.gate:
             refusal = None if self._closed else self._put(item, mark)
@@ -121,13 +121,13 @@ class Inbox:
         return refusal
 
     def announce(self, text: str, detail: str = "") -> None:
-        """Have something said that nobody asked for now, and `detail` written beside it."""
+        """Queue a sentence that no turn asked for, and `detail` to be written beside it."""
         self.put(Announce(text, detail))
 
     def take(self, timeout_s: float | None = None) -> Item | None:
-        """The next one, once there is one; None when it is closed, and after the timeout.
+        """Wait for the next item and take it; None once closed, and after the timeout.
 
-        Who takes is at work.
+        The caller counts as at work until it calls `done`.
         """
         with self.gate:
             self.gate.wait_for(lambda: self._items or self._closed, timeout_s)
@@ -139,36 +139,36 @@ class Inbox:
             return taken.item
 
     def done(self) -> None:
-        """What was taken is attended to."""
+        """Tell that the work on the taken item is finished."""
         with self.gate:
             self._at_work = False
             self.gate.notify_all()
 
     def wait_idle(self, timeout_s: float | None = None) -> bool:
-        """Block until nothing waits and nobody is at work; False after the timeout."""
+        """Block until the inbox is `idle`; False after the timeout."""
         with self.gate:
             return self.gate.wait_for(lambda: self.idle, timeout_s)
 
     def withdraw(self, ended_s: float) -> None:
-        """Forget what was heard until then, if it still waits."""
+        """Forget the utterance that ended at `ended_s`, if it still waits."""
         with self.gate:
             gone = [one for one in self._items if getattr(one.item, "ended_s", None) == ended_s]
             for one in gone:
                 self._items.remove(one)
 
     def stop(self) -> None:
-        """Forget all that is to be said and done; who is forgotten and what is spoken stays."""
+        """Forget everything that is to be said or done; keep `SwitchLanguage` and `Forget`."""
         with self.gate:
             kept = [one for one in self._items if isinstance(one.item, SwitchLanguage | Forget)]
             self._items = deque({type(one.item): one for one in kept}.values())
 
     def remark(self, mark: int) -> None:
-        """Let all that waits count as asked for at this mark: it came after what is done now."""
+        """Give this mark to every waiting item, so that the stop in the current turn spares it."""
         with self.gate:
             self._items = deque(replace(one, mark=mark) for one in self._items)
 
     def close(self) -> None:
-        """Forget everything, and take nothing any more."""
+        """Forget everything, and take nothing from now on."""
         with self.gate:
             self._closed = True
             self._items.clear()
@@ -179,7 +179,7 @@ class Inbox:
             return self._refuse(Refusal.TOO_MANY)
         last = self._items[-1].item if self._items else None
         if isinstance(item, _HOUSEKEEPING) and type(last) is type(item):
-            self._items.pop()  # of two on end only the last one counts
+            self._items.pop()  # of two in a row only the last one counts
         bounded = _bounded(item)
         self._items.append(_Waiting(bounded, self._clock.now(), mark))
         return self._refuse(Refusal.TOO_LONG) if isinstance(bounded, TooLong) else None
@@ -190,22 +190,22 @@ class Inbox:
 
 
 def asked_in_words(item: Item) -> bool:
-    """Whether somebody wants an answer to this."""
+    """True if the item is words for the agent, which want an answer."""
     return isinstance(item, TextInput | Heard) or (isinstance(item, TooLong) and item.asked)
 
 
 def can_be_stopped(item: Item) -> bool:
-    """Whether anything is said or done for it that a stop could end."""
+    """True if the item makes the robot say or do something that a stop could end."""
     return not isinstance(item, _HOUSEKEEPING)
 
 
 def way_of(item: Item) -> Way:
-    """How this was asked for; what nobody asked for in particular has the way of words."""
+    """The way in which the item was asked for; `TEXT_INPUT` for one that has no way."""
     return item.way if isinstance(item, TextInput | Heard | RunSkill) else Way.TEXT_INPUT
 
 
 def _bounded(item: Item) -> Item:
-    """The same, unless it holds more words than are taken."""
+    """The item itself, or `TooLong` if its text is longer than `MAX_CHARACTERS`."""
     if not isinstance(item, TextInput | Heard | Speak) or len(item.text) <= MAX_CHARACTERS:
         return item
     beginning = clean(item.text)[:MAX_CHARACTERS]

@@ -1,4 +1,4 @@
-"""What stops the robot: a stop word, an interrupt, a reset. At once, and whatever is under way."""
+"""Stopping: a stop word, an interrupt or a reset ends everything under way, at once."""
 
 from collections import deque
 from collections.abc import Callable
@@ -28,26 +28,27 @@ from edgevox.core.reason import Reason
 log = get_logger(__name__)
 
 WORD_TAIL_S = 0.4
-"""What was said until so long after the spotter heard a stop word is that word: the voice detector
-hears its echo, and the spotter may be sure before its last sound."""
+"""Speech that ends within this time after the spotter heard a stop word counts as that word: the
+voice detector hears its echo, and the spotter may be sure before its last sound."""
 SAME_WORD_S = 1.0
-"""The spotter may hear a word so long after the voice detector heard its end."""
+"""The spotter may report a word up to this long after the voice detector heard the word end."""
 KNOWN_MARKS = 64
-"""So many stops and releases are remembered with their times: more than come while one speaks."""
+"""Number of stops and releases remembered with their times: more than happen during one
+utterance."""
 _STANDING = "standing"
 _TOLD = ("", _STANDING, "stopped", "program_stopped")
-"""What is said after a stop; of two, the later in this row."""
+"""Names of the sentences said after a stop, in order of weight: of two, the later one is said."""
 
 
 class Stopping:
-    """Acts on the calling thread, at once, and never waits for the conversation's.
+    """Stops the robot, on the calling thread, without waiting for the conversation's thread.
 
-    Every stop is the same (`_stop`): it cancels the `turn` that runs and its `question`, forgets
-    the utterances that wait or are being transcribed, cancels the goals, halts the body, ends all
-    programs, and has the `interlock` refuse whatever was asked for before and comes only now.
+    Every stop is the same (`_stop`): it cancels the running turn and its question, forgets the
+    utterances that wait or are being transcribed, cancels the goals, halts the body and ends all
+    programs. The interlock then refuses any request made before the stop that arrives after it.
 
-    A stop word may be heard twice: by the spotter, from its sound, and later by its words. Each
-    stops; somebody is told once, and when the utterance is over.
+    A stop word may be heard twice: the spotter hears its sound, and transcription reads its words
+    later. Each of the two stops the robot; the person is told once, after the utterance is over.
     """
 
     def __init__(
@@ -66,6 +67,23 @@ class Stopping:
         language: str,
         phonemes: Phonemes | None = None,
     ) -> None:
+        """Store the collaborators and listen to the executor and the interlock for stops.
+
+        Args:
+            bus: Carries `SafetyPreempted`, `Interrupted` and `Transcribed`.
+            clock: Must be the clock that stamps `Heard` and `StopSpotted`.
+            waiting: The conversation's inbox; a stop empties it.
+            states: The conversation's state machine.
+            executor: Runs the goals that a stop cancels.
+            programs: The programs that a stop ends.
+            interlock: Numbers the stops, so that a request from before one is refused.
+            question: The question that waits for an answer; a stop cancels it.
+            turn: Returns the running turn, or None.
+            phrases: Returns the sentences of the current language.
+            language: ISO 639-1 code of the first language whose stop words count.
+            phonemes: Pronunciations, to also find misheard stop words while something moves; None
+                turns this off.
+        """
         self._bus = bus
         self._clock = clock
         self._inbox = waiting
@@ -85,17 +103,18 @@ class Stopping:
         self._heard_idle_s = float("-inf")
         self._untold = ""
         self.last: Turn | None = None
-        """The last turn that somebody spoke for."""
+        """The last turn that spoken words began."""
 
     def set_language(self, code: str) -> None:
-        """Hear stop words of this language."""
+        """Look for the stop words of this language from now on."""
         self._safety = SafetyWords(code)
         self._near = NearStop(code, self._phonemes) if self._phonemes else None
 
     def counts(self, heard: Heard) -> bool:
-        """Whether there are words, said neither before a stop nor taken back since.
+        """True if `heard` holds words that no later stop or withdrawal has made void.
 
-        Who waits is forgotten with a stop. One that was spotted in words that do not count is told.
+        A stop word always counts. If the words do not count but a stop was spotted in them, this
+        call reports that stop, because no later step will.
         """
         counts = bool(heard.text) and (not self._is_past(heard) or self.is_stop(heard.text))
         if heard.spotted and not counts:
@@ -103,17 +122,17 @@ class Stopping:
         return counts
 
     def mark_of(self, heard: Heard) -> int:
-        """The interlock's mark when this was begun to be said.
+        """The interlock's mark at the time when the person began to say this.
 
-        What was said before a stop is known by its time (`counts`), as a spoken stop counts from
-        when it was said. What is left is what was said while all motion was forbidden.
+        `counts` already drops words from before a stop, by their times. This mark makes the
+        interlock refuse motion for words that were said while all motion was forbidden.
         """
         began_s = heard.ended_s if heard.began_s is None else heard.began_s
         then = [mark for at_s, mark in list(self._marks) if at_s < began_s]
         return max(self._interlock.stopped, then[-1] if then else 0)
 
     def queue(self, item: inbox.Item, mark: int) -> None:
-        """Let it wait for the conversation, unless a stop, or its taking back, was quicker."""
+        """Put the item into the inbox, unless a stop or a withdrawal has made it void."""
         with self._inbox.gate:
             past = isinstance(item, Heard) and self._is_past(item)
             if not past and not self._interlock.outdated(mark):
@@ -122,26 +141,25 @@ class Stopping:
         log.info("forgotten_for_a_stop", what=type(item).__name__)
 
     def _is_past(self, heard: Heard) -> bool:
-        """Whether it was said before a stop, to which also belongs what was begun before it."""
+        """True if the words were withdrawn, or begun or ended before the last stop."""
         if heard.ended_s < self._stopped_s or heard.ended_s == self._withdrawn_s:
             return True
         return _begun_before(heard, self._stopped_s)
 
     def doubts(self, heard: Heard) -> bool:
-        """Whether these words may have been taken back by a stop word that only its sound told.
+        """True if the spotter heard a stop word in or after these words while the robot stood.
 
-        The robot stood still, so the words may have sounded like one themselves. Whoever said them
-        is asked before anything moves.
+        The words themselves may have sounded like a stop word, so the robot asks before it moves.
         """
         ended = heard.ended_s < self._heard_idle_s + WORD_TAIL_S
         return ended or _begun_before(heard, self._heard_idle_s)
 
     def is_stop(self, text: str) -> bool:
-        """Whether these words would stop the robot."""
+        """True if these words would stop the robot."""
         return self._safety.find(text) is not None
 
     def hears(self, words: TextInput | Heard) -> bool:
-        """Stop if these words say so; False if they do not."""
+        """Stop if these words hold a stop word; return whether they do."""
         word = self._safety.find(words.text) or self._nearly(words)
         if word:
             self._stop_word(word, words)
@@ -150,24 +168,24 @@ class Stopping:
         return word is not None
 
     def _nearly(self, words: TextInput | Heard) -> str | None:
-        """The stop word that these sound like, if they were spoken while something moves."""
+        """The stop word that these spoken words sound like; None while nothing moves."""
         if self._near is None or not isinstance(words, Heard) or self._executor.moving is None:
             return None
         return self._near.find(words.text)
 
     def heed(self, sound: StopSpotted | SpokenOn) -> None:
-        """Do at once what a sound asks for, before its words are known."""
+        """Act on a sound at once, before its words are known."""
         if isinstance(sound, StopSpotted):
             self._spotted(sound)
         else:
             self._withdraw(sound.ended_s)
 
     def _spotted(self, sound: StopSpotted) -> None:
-        """Stop for the sound of a stop word; what ends with it was that word, whatever it reads.
+        """Stop for the sound of a stop word, and drop the words that end with it.
 
-        Where nothing is going on the body is halted all the same, since others may drive it, and
-        what was said before and is still being transcribed is forgotten; but words that may only
-        have sounded like a stop word are asked about (`doubts`).
+        If nothing is going on, the body is halted all the same, since other programs may drive it,
+        and earlier utterances that are still being transcribed are forgotten. Words that may only
+        have sounded like a stop word are kept and asked about (`doubts`).
         """
         going_on = bool(self._turn() or self._executor.moving or self._programs.kept)
         when_s = sound.at_s + (WORD_TAIL_S if going_on else -SAME_WORD_S)
@@ -183,9 +201,9 @@ class Stopping:
             self._tell_spotted()
 
     def _tell_spotted(self, text: str = "") -> None:
-        """Say what became of a stop that was spotted, once; `text` is what its words read.
+        """Report the result of a spotted stop, once. `text` is the transcript of its words.
 
-        That nothing moved is told only to who really said the word.
+        The sentence "nothing moves" is left out: only a stop word that was read as words gets it.
         """
         with self._inbox.gate:
             said, self._untold = self._untold, ""
@@ -194,7 +212,7 @@ class Stopping:
         self._answer("" if said == _STANDING else said)
 
     def _answer(self, told: str) -> None:
-        """Say what became of a stop; where there is nothing to say, only listen again."""
+        """Say the sentence with this name; if it is empty, only go back to listening."""
         if told:
             self._inbox.announce(self._phrases().say(told))
         else:
@@ -219,7 +237,7 @@ class Stopping:
         self._answer(_weightier(untold, _told(stopped=stopped, waited=waited)) if tell else "")
 
     def interrupt(self, reason: str, cause: Cause, *, motion: bool) -> None:
-        """Stop everything; without `motion` only what is said: somebody wants to be heard."""
+        """Stop everything; without `motion`, only stop talking, because a person wants to speak."""
         if motion:
             self._stop(because("interrupted", reason), self._clock.now())
             self._inbox.put(inbox.Settle())
@@ -228,7 +246,10 @@ class Stopping:
         self._bus.publish(Interrupted(cause))
 
     def _withdraw(self, ended_s: float) -> None:
-        """End what was begun for the words until then, and nothing else: they were not all."""
+        """End only the work begun for the utterance that ended at `ended_s`: its speaker goes on.
+
+        The whole utterance comes again later.
+        """
         with self._inbox.gate:
             self._withdrawn_s = ended_s
             self._inbox.withdraw(ended_s)
@@ -241,21 +262,21 @@ class Stopping:
         self._inbox.put(inbox.Settle())
 
     def stop(self, reason: Reason) -> None:
-        """Stop everything, without a word."""
+        """Stop everything and say nothing."""
         self._stop(reason, self._clock.now())
         self._inbox.put(inbox.Settle())
 
     def call(self, begin: Callable[[], object]) -> None:
-        """Stop everything, `begin` the skill `stop`, and say what became of it."""
+        """Stop everything, `begin` the skill `stop`, and say the result."""
         stopped, waited = self._stop(because("called_off"), self._clock.now())
         begin()
         self._answer(_told(stopped=stopped, waited=waited))
 
     def _skill_called(self, turn: Turn | None) -> None:
-        """The skill `stop` is as good as the word, whoever calls it.
+        """Stop everything when the skill `stop` is called, as a stop word would.
 
-        Where it was called for in words of this `turn`, that turn goes on, and so does what was
-        said after it and waits.
+        If words of this `turn` called it, the turn goes on, and so do the utterances that were
+        said after it and wait.
         """
         if turn is None:
             self._stop(because("called_off"), self._clock.now())
@@ -264,7 +285,7 @@ class Stopping:
             self._stop(because("called_off"), turn.asked_s, within=turn)
 
     def reset(self) -> None:
-        """Stop everything, and forget what was said."""
+        """Stop everything, and forget the conversation so far."""
         self._stop(because("reset"), self._clock.now())
         self._inbox.put(inbox.Forget())
         self._bus.publish(Interrupted(Cause.RESET))
@@ -276,9 +297,9 @@ class Stopping:
                 self._states.enter(State.INTERRUPTED, turn)
 
     def _stop(self, reason: Reason, when_s: float, within: Turn | None = None) -> tuple[bool, bool]:
-        """Whether there was anything to stop, and whether programs waited for their time.
+        """Stop everything; return whether anything was stopped, and whether a program waited.
 
-        `when_s` is when it was asked for, `within` the turn that asked, which goes on.
+        `when_s` is the time of the request. `within` is the turn that asked; it goes on.
         """
         with self._interlock.stopping(reason):
             ended = self._programs.stop()
@@ -296,13 +317,16 @@ class Stopping:
                 if (stopped or self._states.transcribes) and not within:
                     self._states.enter(State.INTERRUPTED, turn)
         self._question.tell_cancelled(asked)
-        ended = [*ended, *self._programs.stop()]  # what was being kept when it was asked for
+        ended = [*ended, *self._programs.stop()]  # a program may have been added meanwhile
         self._programs.stopped(ended, reason)
         return stopped, any(one.goal is None for one in ended)
 
 
 def _begun_before(heard: Heard, stopped_s: float) -> bool:
-    """What follows a stop word in one breath was begun before it, and counts all the same."""
+    """True if the words were begun before the stop; not if they hold the stop word themselves.
+
+    Words that follow a stop word in the same breath count.
+    """
     return not heard.spotted and heard.began_s is not None and heard.began_s <= stopped_s
 
 

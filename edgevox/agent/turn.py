@@ -1,4 +1,4 @@
-"""One exchange: what it is cancelled by, how long its stages took, and what is answered in it."""
+"""The turn, one exchange with a person: its cancel token, its times and its spoken answer."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -24,25 +24,19 @@ from edgevox.core.ways import Way
 
 @dataclass(frozen=True, slots=True)
 class InputTiming:
-    """When a person ended what they said or typed, and how long it took to be understood.
-
-    `at_s` is the clock's time, None for the moment in which the turn began.
-    """
+    """Times of the input that began a turn."""
 
     at_s: float | None = None
+    """The clock's time when the input ended; None for the moment in which the turn began."""
     stt_s: float = 0.0
+    """Seconds that speech recognition took."""
 
 
 class Turn:
     """Owns a `CancelToken` and a stopwatch, and speaks the turn's answer.
 
-    Sentences go onto the bus and, if there is one, to the speech output. `on_speech` is called when
-    the first can be noticed: heard, or read where nothing is spoken. Nothing is said once the
-    token is cancelled. `way` is how it was asked for, `mark` the interlock's when it was: a stop or
-    a release since then forbids it to move anything. `plainly`: only a plain order may move
-    anything without a question, since a stop word was heard in the same breath. `doubted`: nothing
-    may, since one was heard at their end or right after them. `hearing` is how sure it is that its
-    words were said, `others` what else may have been.
+    Sentences go onto the bus and, if there is one, to the speech output. The turn says nothing once
+    its token is cancelled.
     """
 
     def __init__(
@@ -61,6 +55,26 @@ class Turn:
         hearing: float = 1.0,
         others: Sequence[Hypothesis] = (),
     ) -> None:
+        """Begin the turn's stopwatch.
+
+        Args:
+            number: The turn's number on the bus, from 1 on.
+            bus: Carries the turn's sentences and measurements.
+            clock: Measures the turn.
+            on_speech: Called when the first sentence can be noticed: heard, or read if nothing is
+                spoken.
+            speech_output: Speaks the sentences; None to only write them.
+            asked: Times of the input; None if it ended just now.
+            way: How the turn was asked for.
+            mark: The interlock's mark at that time: after a later stop or release the turn may not
+                move anything.
+            plainly: True if a stop word was heard in the same breath: then only a plain order may
+                move anything without a question.
+            doubted: True if a stop word was heard at the end of the words or right after them:
+                then nothing may move without a question.
+            hearing: Confidence that the words were said, from 0 to 1.
+            others: Other words that may have been said, the likeliest first.
+        """
         self.number = number
         self.way = way
         self.mark = mark
@@ -88,34 +102,37 @@ class Turn:
 
     @property
     def asked_s(self) -> float:
-        """The clock's time when what it answers was said to its end."""
+        """The clock's time when the input that this turn answers ended."""
         return self._asked_s
 
     @property
     def outcome(self) -> Outcome:
-        """What became of it."""
+        """The outcome of the turn; `INTERRUPTED` if it was `cut`."""
         return Outcome.INTERRUPTED if self.cut else self._outcome
 
     @property
     def text(self) -> str:
-        """What has been said: once it is `settled`, only what could really be heard."""
+        """The answer so far; after `settle`, only the part that could really be heard."""
         return " ".join(self._said) if self._spoken is None else self._spoken.text
 
     @property
     def noticed_s(self) -> float | None:
-        """The clock's time when its answer could first be noticed; None if it could not yet.
+        """The clock's time when the answer could first be noticed; None before that.
 
-        With speech output it is known once the turn is `settled`.
+        With speech output, the time is known only after `settle`.
         """
         return self._first_s
 
     @property
     def cut(self) -> bool:
-        """Whether it was ended before all was said."""
+        """True if the turn was ended before the whole answer was said."""
         return self.token.cancelled or (self._spoken is not None and self._spoken.cut)
 
     def stream(self, piece: str) -> None:
-        """Say a piece of an answer as a model generates it; empty for one that is not spoken."""
+        """Say a piece of an answer as a model generates it.
+
+        An empty piece stands for a token that is not spoken; it is only counted.
+        """
         self.tokens += 1
         if self.token.cancelled or not piece:
             return
@@ -124,10 +141,7 @@ class Turn:
             self._say(sentence)
 
     def say(self, text: str, outcome: Outcome | None = None, *, detail: str = "") -> None:
-        """Say a whole text; it may tell what becomes of the turn.
-
-        `detail` belongs to it, and is only written.
-        """
+        """Say a whole text. `outcome` sets the turn's outcome; `detail` is only written."""
         self._outcome = outcome or self._outcome
         self.write(detail)
         for sentence in self._sentences.add_chunk(text + " "):
@@ -135,30 +149,30 @@ class Turn:
         self.flush()
 
     def write(self, detail: str) -> None:
-        """What stands beside the answer where it is read, and is not said."""
+        """Set the text that is written beside the answer and not said."""
         self._detail = detail or self._detail
 
     def flush(self) -> None:
-        """The answer, or this part of it, is complete: say what was held back for its end."""
+        """Say the rest of the answer so far, which still waited for the end of its sentence."""
         rest = self._sentences.finish().strip()
         if rest:
             self._say(rest)
 
     def acted(self) -> None:
-        """Skills were called."""
+        """Record that the turn called skills."""
         self._outcome = Outcome.ACTED
 
     def decided(self, calls: Sequence[Call], stage: str, confidence: float | None) -> None:
-        """Tell what its words were understood as, by which stage and how sure."""
+        """Publish what the words were understood as, by which stage, and how sure it is."""
         told = tuple((call.skill, call.arguments) for call in calls)
         self._bus.publish(Decided(told, stage, confidence, self.number))
 
     def thought(self, seconds: float) -> None:
-        """Count time that a model worked for this turn."""
+        """Add seconds that a model worked for this turn."""
         self._model_s += seconds
 
     def settle(self) -> None:
-        """Everything has been given to say: wait until it is said, or cut."""
+        """Say the rest of the answer, and wait until all is said or cut."""
         if self._spoken is not None:
             return
         if not self.token.cancelled:
@@ -170,7 +184,7 @@ class Turn:
             self._first_s = self._spoken.first_audible_s
 
     def finish(self, *, measured: bool) -> None:
-        """Publish the full answer, if there was any, and what the turn took if `measured`."""
+        """Publish the full answer, if there was any, and the turn's times if `measured`."""
         self.settle()
         if self._said:
             detail = "" if self.cut else self._detail

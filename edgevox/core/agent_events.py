@@ -1,7 +1,7 @@
-"""What the agent does, as typed events: calls of skills, goals, hand-overs, stops by a word.
+"""Agent events: calls of skills, goals, hand-overs, stops by a word.
 
-The class says what kind of event it is; `as_json` is the only place that makes JSON of one, for the
-topic `agent_event`, the feedback of the action, scenarios and recordings.
+Each kind of event is a class. Only `as_json` turns an event into JSON, for the topic `agent_event`,
+the feedback of the action, scenarios and recordings.
 """
 
 from collections.abc import Mapping
@@ -13,7 +13,7 @@ from edgevox.core.reason import Reason, in_english
 
 
 class AgentEventKind(StrEnum):
-    """The kinds that `agent_event` reports."""
+    """Kinds of events that the topic `agent_event` reports."""
 
     TOOL_CALL = "tool_call"
     SKILL_GOAL = "skill_goal"
@@ -27,7 +27,7 @@ class AgentEventKind(StrEnum):
 
 
 class GoalStatus(StrEnum):
-    """Where a goal is in its life. A goal that was rejected never began to live."""
+    """Stages in the life of a goal. A rejected goal never began its life."""
 
     ACCEPTED = "accepted"
     RUNNING = "running"
@@ -38,47 +38,52 @@ class GoalStatus(StrEnum):
 
 
 GOAL_ENDS = (GoalStatus.SUCCEEDED, GoalStatus.FAILED, GoalStatus.CANCELLED)
-"""A goal that was accepted ends as one of these, once."""
+"""The ends of a goal: an accepted goal reaches exactly one of these, once."""
 
 
 @dataclass(frozen=True, slots=True)
 class ToolCalled:
-    """A skill was called: by a `template`, the `model`, a `command`, an `action` or a `program`."""
+    """A skill was called, by `template`, `reading`, `model`, `command`, `action` or `program`."""
 
     kind: ClassVar = AgentEventKind.TOOL_CALL
     skill: str
+    """The skill's name."""
     arguments: Mapping[str, Any]
+    """Its checked arguments."""
     source: str
+    """The caller: a stage of understanding (``template``, ``reading``, ``model``), or ``command``,
+    ``action`` or ``program``."""
     turn: int
+    """Number of the turn that called; 0 for none."""
 
 
 @dataclass(frozen=True, slots=True)
 class GoalChanged:
-    """A goal was accepted, runs, progressed, succeeded or failed. `turn` is 0 without one.
-
-    `feedback` is what the skill reports, `result` what it returned, `reason` why it failed; each is
-    there only where it applies. In JSON a reason is an `error`, an English sentence, and where it
-    has a code also `code` and `values`.
-    """
+    """A goal was accepted, runs, progressed, succeeded or failed; `turn` is 0 without a turn."""
 
     kind: ClassVar = AgentEventKind.SKILL_GOAL
     goal_id: str
+    """The goal's id."""
     skill: str
+    """The name of the skill that it runs."""
     arguments: Mapping[str, Any]
+    """The skill's checked arguments."""
     status: GoalStatus
+    """The goal's status from now on."""
     turn: int
+    """Number of the turn that asked for the goal; 0 for none."""
     feedback: Mapping[str, Any] | None = None
+    """Progress that the skill reports; None in an event that reports none."""
     result: Mapping[str, Any] | None = None
+    """The skill's result; None unless the goal succeeded."""
     reason: Reason | None = field(default=None, metadata={"keys": ("error", "code", "values")})
+    """The reason of a failure. In JSON: `error`, an English sentence, and for a reason with a code
+    also `code` and `values`."""
 
 
 @dataclass(frozen=True, slots=True)
 class GoalCancelled:
-    """A goal ended without having succeeded or failed.
-
-    In JSON its reason is `reason`, an English sentence, and where it has a code also `code` and
-    `values`.
-    """
+    """A goal was cancelled: it ended without having succeeded or failed."""
 
     kind: ClassVar = AgentEventKind.SKILL_CANCELLED
     goal_id: str
@@ -87,28 +92,31 @@ class GoalCancelled:
     status: GoalStatus = field(init=False, default=GoalStatus.CANCELLED)
     turn: int
     reason: Reason = field(metadata={"keys": ("reason", "code", "values")})
+    """The reason. In JSON: `reason`, an English sentence, and for a reason with a code also `code`
+    and `values`."""
 
 
 @dataclass(frozen=True, slots=True)
 class GoalRejected:
-    """A goal was rejected as impossible or forbidden. It has no id and no `tool_call`.
-
-    Its arguments are as they came, and `way` is how.
-    """
+    """A goal was rejected as impossible or forbidden. It has no id and no `tool_call`."""
 
     kind: ClassVar = AgentEventKind.SKILL_GOAL
     goal_id: None = field(init=False, default=None, metadata={"always": True})
     skill: str
     arguments_json: str
+    """The arguments as they came, unchecked, in JSON."""
     status: GoalStatus = field(init=False, default=GoalStatus.REJECTED)
     reason: Reason = field(metadata={"keys": ("error", "code", "values")})
+    """The reason, in JSON as that of `GoalChanged`."""
     way: str | None = None
+    """The way in which the goal was asked for."""
     turn: int = 0
+    """Number of the turn that asked for the goal; 0 for none."""
 
 
 @dataclass(frozen=True, slots=True)
 class HandedOver:
-    """One agent hands the conversation over to another."""
+    """An agent, the giver, hands the conversation over to another, the taker."""
 
     kind: ClassVar = AgentEventKind.HANDOFF
     giver: str = field(metadata={"keys": ("from",)})
@@ -117,7 +125,7 @@ class HandedOver:
 
 
 class HeardBy(StrEnum):
-    """What found a stop word: its words, spoken or typed, or the spotter, by their sound alone."""
+    """Ways to find a stop word: in spoken or typed words, or by the spotter, in sound alone."""
 
     WORDS = "words"
     SPOTTER = "spotter"
@@ -125,28 +133,30 @@ class HeardBy(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class SafetyPreempted:
-    """A stop word was heard; `stopped` says whether there was anything to stop.
-
-    `heard_by` is ``words``, or ``spotter`` for one that was known by its sound.
-    """
+    """A stop word was heard; `stopped` tells whether there was anything to stop."""
 
     kind: ClassVar = AgentEventKind.SAFETY_PREEMPT
     word: str
+    """The stop word, as the table of stop words spells it."""
     stopped: bool
+    """True if there was anything to stop."""
     heard_by: HeardBy = HeardBy.WORDS
+    """``words``, or ``spotter`` if only its sound was heard."""
 
 
 @dataclass(frozen=True, slots=True)
 class SoftwareStopChanged:
-    """The software stop was engaged or released; `by` says by whom, for people to read."""
+    """The software stop was engaged or released; `by` tells by whom, for people to read."""
 
     kind: ClassVar = AgentEventKind.SOFTWARE_STOP
     engaged: bool
+    """True for engaged, False for released."""
     by: str
+    """The person or program that did it, for people to read."""
 
 
 class DrainStatus(StrEnum):
-    """How far a drain is; it has no way back."""
+    """Stages of a drain, which cannot be undone."""
 
     DRAINING = "draining"
     DRAINED = "drained"
@@ -155,20 +165,20 @@ class DrainStatus(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class DrainChanged:
-    """The agent drains: motion may finish within `within_s` seconds, and nothing new begins.
-
-    At the end the robot stands (`drained`), or was halted and is not seen to stand. `by` says
-    who asked, for people.
-    """
+    """The agent drains: motion may finish within `within_s` seconds, and nothing new begins."""
 
     kind: ClassVar = AgentEventKind.DRAIN
     status: DrainStatus
+    """``draining``; at the end ``drained`` if the robot stands, or ``not_standing`` if it was
+    halted and is not seen to stand."""
     by: str
+    """The person or program that asked, for people to read."""
     within_s: float
+    """Seconds that running motion may still take; 0 at the end."""
 
 
 class ConfirmationStatus(StrEnum):
-    """Where a question is in its life: it is asked once, and ends once, as one of the others."""
+    """Stages in the life of a question: `asked`, then one of the others, which ends it."""
 
     ASKED = "asked"
     CONFIRMED = "confirmed"
@@ -180,7 +190,7 @@ class ConfirmationStatus(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class AskedCall:
-    """A call that is done if the answer is yes."""
+    """A call that a yes carries out."""
 
     skill: str
     arguments: Mapping[str, Any]
@@ -188,21 +198,23 @@ class AskedCall:
 
 @dataclass(frozen=True, slots=True)
 class Confirmation:
-    """A question before calls was asked, answered or withdrawn. `turn` asked it.
-
-    It expires `expires_s` seconds after it was said to its end.
-    """
+    """A question before calls was asked, answered or withdrawn; `turn` is the turn that asked."""
 
     kind: ClassVar = AgentEventKind.CONFIRMATION
     status: ConfirmationStatus
+    """The question's stage from now on."""
     question: str
+    """The question as it is said."""
     calls: tuple[AskedCall, ...]
+    """The calls that a yes carries out."""
     expires_s: float
+    """Seconds from the end of the spoken question until it expires."""
     turn: int
+    """Number of the turn that asked."""
 
 
 class ProgramStatus(StrEnum):
-    """Where a program is in its life; the last three end it."""
+    """Stages in the life of a program; the last three end it."""
 
     WAITING = "waiting"
     RUNNING = "running"
@@ -213,20 +225,23 @@ class ProgramStatus(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class ProgramChanged:
-    """A program waits, runs, began another round, or ended. `text` describes it in words.
-
-    `due_in_s` is how long it still waits for its time, `round` how often it has begun its steps;
-    the reason says why it failed or was cancelled. Each is there only where it applies.
-    """
+    """A program waits, runs, began another round, or ended; `text` describes it in words."""
 
     kind: ClassVar = AgentEventKind.PROGRAM
     program_id: str
+    """The program's id."""
     text: str
+    """The program described in words."""
     status: ProgramStatus
+    """The program's stage from now on."""
     turn: int
+    """Number of the turn that asked for the program."""
     due_in_s: float | None = None
+    """Seconds until the program's time; None if it waits for no time."""
     round: int | None = None
+    """Number of times that the program has begun its steps; None if it does not repeat them."""
     reason: Reason | None = field(default=None, metadata={"keys": ("error", "code", "values")})
+    """The reason of a failure or cancellation, in JSON as that of `GoalChanged`."""
 
 
 AgentEvent = (
@@ -241,11 +256,11 @@ AgentEvent = (
     | SoftwareStopChanged
     | DrainChanged
 )
-"""Whoever subscribes to this on the bus hears all of them."""
+"""All agent events: a subscription to this type on the bus gets each of them."""
 
 
 def as_json(event: AgentEvent) -> dict[str, Any]:
-    """The JSON object of an event: its kind, and its fields but those that do not apply."""
+    """The JSON object of an event: its kind, and those of its fields that apply."""
     found: dict[str, Any] = {"kind": str(event.kind)}
     for one in fields(event):
         value = getattr(event, one.name)
@@ -258,7 +273,7 @@ def as_json(event: AgentEvent) -> dict[str, Any]:
 
 
 def reason_json(reason: Reason, text: str = "error") -> dict[str, Any]:
-    """A reason as the keys of a JSON object; `text` is the key of its sentence."""
+    """The JSON object of a reason; `text` is the key of its sentence."""
     found: dict[str, Any] = {text: reason.text}
     if reason.code:
         said = {name: in_english(value) for name, value in reason.values.items()}
@@ -267,7 +282,7 @@ def reason_json(reason: Reason, text: str = "error") -> dict[str, Any]:
 
 
 def keys(one: "Field[Any]") -> tuple[str, ...]:
-    """What a field is in JSON: one key, or several."""
+    """The keys of a field in JSON."""
     return tuple(one.metadata.get("keys", (one.name,)))
 
 

@@ -1,4 +1,4 @@
-"""The bus: one place where events are published and any number of faces listen."""
+"""The bus: one place that publishes events, to which any number of faces listen."""
 
 import threading
 from collections.abc import Callable, Iterable
@@ -17,9 +17,9 @@ Handler = Callable[[Any], None]
 class Bus:
     """Delivers each event to its type's subscribers, in order, on the publisher's thread.
 
-    Handlers must be quick and must not publish in answer while holding a lock of their own. One
-    that raises is logged and the others still hear the event: a broken face must not silence the
-    robot.
+    Handlers must be quick and must not publish in answer while holding a lock of their own. A
+    handler's exception is logged, and the other handlers still get the event: a broken face must
+    not silence the robot.
     """
 
     def __init__(self) -> None:
@@ -35,7 +35,7 @@ class Bus:
     def subscribe(self, kind: type | UnionType, handler: Handler) -> Callable[[], None]:
         """Call `handler` for every event of exactly this type, or of each of a union of types.
 
-        Returns a way to unsubscribe.
+        Returns a function that unsubscribes.
         """
         kinds = get_args(kind) or (kind,)
         with self._lock:
@@ -44,7 +44,7 @@ class Bus:
         return lambda: self._unsubscribe(kinds, handler)
 
     def publish(self, event: Event) -> None:
-        """Hand an event to everybody who listens for it."""
+        """Call every handler that subscribed to this event's type."""
         for handler in self._handlers.get(type(event), ()):
             try:
                 handler(event)

@@ -1,4 +1,4 @@
-"""Cancellation that reaches everything that works for one turn or one goal."""
+"""Cancellation, which reaches everything that works for one turn or one goal."""
 
 import threading
 from collections.abc import Callable
@@ -10,9 +10,9 @@ log = get_logger(__name__)
 
 
 class Cancelled(Exception):
-    """Raised by work that stopped because its token was cancelled or its motion ended. No error.
+    """Raised by work that stopped because its token was cancelled or its motion ended.
 
-    `why` is the reason, with its code if it has one.
+    It is no error. `why` is the reason, with its code if it has one.
     """
 
     def __init__(self, why: Reason | str = NO_REASON) -> None:
@@ -41,19 +41,19 @@ class CancelToken:
 
     @property
     def reason(self) -> str:
-        """Why it was cancelled, in English; empty while it is not."""
+        """The reason in English; empty while it is not cancelled."""
         return str(self._why)
 
     @property
     def why(self) -> Reason:
-        """The same with its code, if it has one."""
+        """The reason with its code, if it has one."""
         return self._why
 
     def cancel(self, reason: Reason | str = "cancelled") -> bool:
         """Turn the switch. True for the call that turned it, False for every later one.
 
-        Callbacks run on the calling thread, once. One that fails is logged, and keeps neither the
-        others nor the caller from what they do: who cancels may be stopping a robot.
+        Callbacks run once, on the calling thread. A callback's exception is logged and reaches
+        neither the other callbacks nor the caller, which may be stopping a robot.
         """
         with self._lock:
             if self._event.is_set():
@@ -79,7 +79,7 @@ class CancelToken:
             raise Cancelled(self._why)
 
     def on_cancel(self, callback: Callable[[], None]) -> Callable[[], None]:
-        """Run `callback` when cancelled, at once if it is. Returns a way to forget it."""
+        """Run `callback` on cancellation, now if cancelled. Returns a function that forgets it."""
         with self._lock:
             if not self._event.is_set():
                 key = self._next_key

@@ -1,4 +1,4 @@
-"""Time, injected: whoever measures or waits takes a clock instead of asking the system."""
+"""Injected time: code that measures or waits takes a clock instead of asking the system."""
 
 import time
 from typing import Protocol

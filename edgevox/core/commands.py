@@ -1,4 +1,4 @@
-"""What somebody asks of EdgeVox: a person, a ROS 2 node, a script."""
+"""Commands to EdgeVox, from a person, a ROS 2 node or a script."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -10,69 +10,72 @@ from edgevox.core.ways import Way
 
 @dataclass(frozen=True, slots=True)
 class TextInput:
-    """Words for the agent, as if spoken and understood; `way` is how they came."""
+    """Words for the agent, as if they had been spoken and transcribed."""
 
     text: str
+    """The words."""
     way: Way = Way.TEXT_INPUT
+    """The way in which the words came."""
 
 
 @dataclass(frozen=True, slots=True)
 class Transcribing:
-    """Somebody spoke and is being understood: words follow, as `Heard`."""
+    """An utterance is being transcribed: its words follow, as `Heard`."""
 
 
 @dataclass(frozen=True, slots=True)
 class Hypothesis:
-    """Words that may have been said instead.
-
-    `share` is how likely they are among all that may have been said, `confidence` how likely the
-    mean token of them is; both from 0 to 1.
-    """
+    """Words that may have been said instead of the transcript."""
 
     text: str
+    """The words."""
     share: float
+    """Probability of these words among all hypotheses, from 0 to 1."""
     confidence: float
+    """Mean probability of the words' tokens, from 0 to 1."""
 
 
 @dataclass(frozen=True, slots=True)
 class Heard:
-    """Words that somebody spoke; empty if there were none in what was heard.
-
-    `began_s` and `ended_s` are the clock's times of the first and the last voiced sample, `stt_s`
-    is how long the words took; without `began_s`, it began where it ended. If a
-    stop word was `spotted` in it, that has been acted on already. `confidence` is that these are
-    the words, from 0 to 1; `others` are what else may have been said, the likeliest first.
-    """
+    """A spoken utterance and its transcript."""
 
     text: str
+    """The transcript; empty if the sound held no words."""
     ended_s: float
+    """The clock's time of the last voiced sample."""
     stt_s: float = 0.0
+    """Seconds that speech recognition took."""
     way: Way = Way.VOICE
+    """The way in which the words came."""
     spotted: bool = False
+    """True if the spotter heard a stop word in the sound; the robot has stopped for it already."""
     confidence: float = 1.0
+    """Confidence that the transcript is right, from 0 to 1."""
     others: tuple[Hypothesis, ...] = ()
+    """Other words that may have been said, the likeliest first."""
     began_s: float | None = None
+    """The clock's time of the first voiced sample; None counts as `ended_s`."""
 
 
 @dataclass(frozen=True, slots=True)
 class StopSpotted:
-    """The sound of a stop word was heard until `at_s`, the clock's time; its words are not known.
-
-    `word` is the stop word that it sounds most like. With `goes_on` it lies in an utterance that is
-    not over: a `Heard` with `spotted` follows, and only then somebody is told, so that nobody is
-    talked over.
-    """
+    """The spotter heard the sound of a stop word, before any transcript exists."""
 
     at_s: float
+    """The clock's time when the sound ended."""
     word: str
+    """The stop word that the sound is most like."""
     goes_on: bool = False
+    """True if the utterance is not over. A `Heard` with `spotted` then follows, and the robot waits
+    for it before it says that it stopped, so that it does not talk over the person."""
 
 
 @dataclass(frozen=True, slots=True)
 class SpokenOn:
-    """Who was `Heard` until `ended_s` speaks on: that was not all, and comes again, whole."""
+    """The person speaks on after a `Heard`: its words were not all, and come again as a whole."""
 
     ended_s: float
+    """The `ended_s` of that `Heard`."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,21 +87,22 @@ class Speak:
 
 @dataclass(frozen=True, slots=True)
 class Interrupt:
-    """Stop talking, stop thinking, and stop moving unless `motion` is False.
-
-    Who speaks over the robot wants to be heard; that alone does not stop a drive.
-    """
+    """Stop talking, stop thinking, and stop moving unless `motion` is False."""
 
     reason: str = "interrupted"
+    """The reason, as an English sentence or word."""
     motion: bool = True
+    """False to keep moving: speaking over the robot only silences it."""
     cause: Cause = Cause.PROGRAM
+    """The source of the interruption."""
 
 
 @dataclass(frozen=True, slots=True)
 class SetLanguage:
-    """Change the language; an ISO 639-1 code."""
+    """Change the language."""
 
     code: str
+    """ISO 639-1 code."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -110,7 +114,7 @@ class SetVoice:
 
 @dataclass(frozen=True, slots=True)
 class SetMuted:
-    """Stop or start hearing."""
+    """Mute or unmute the microphone."""
 
     muted: bool
 
@@ -122,18 +126,22 @@ class Reset:
 
 @dataclass(frozen=True, slots=True)
 class RunSkill:
-    """Run one skill, by name and with keyword arguments, without any language understanding."""
+    """Run one skill, without any language understanding."""
 
     name: str
+    """The skill's name."""
     arguments: Mapping[str, Any]
+    """Its keyword arguments."""
     way: Way = Way.COMMAND
+    """The way in which the request came."""
 
 
 @dataclass(frozen=True, slots=True)
 class CancelProgram:
-    """Forget a program that waits or runs, by its id; all of them where that is empty."""
+    """Forget a program that waits or runs."""
 
     program_id: str = ""
+    """The program's id; empty for all programs."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -155,15 +163,15 @@ ConversationCommand = (
     | RunSkill
     | CancelProgram
 )
-"""What the conversation takes."""
+"""Commands that the conversation takes."""
 Command = ConversationCommand | SetLanguage | SetVoice | SetMuted | Query
 
 
 class Submit(Protocol):
-    """Takes commands, from any thread, without waiting for what they ask for."""
+    """Takes commands from any thread and returns at once, before they are carried out."""
 
     def __call__(self, command: Command, mark: int | None = None) -> None:
-        """Take one. `mark` is the interlock's when it was received, now by default.
+        """Take a command. `mark` is the interlock's mark when it was received, now by default.
 
-        Raises `InvalidValue` for one that cannot be honoured.
+        Raises `InvalidValue` for a command that cannot be honoured.
         """

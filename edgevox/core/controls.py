@@ -1,4 +1,4 @@
-"""The settings that can change while EdgeVox runs: one place, whoever changes them."""
+"""The controls: settings that can change at run time, in one place for all that change them."""
 
 import threading
 from collections.abc import Callable, Mapping, Sequence
@@ -11,19 +11,17 @@ from edgevox.core.settings import CONFIRM, Confirm
 
 Value = str | bool
 Voices = Callable[[str], Sequence[str]]
-"""The voices that this machine really has for a language, by its code."""
+"""Returns the voices that this machine has for a language code."""
 Deafness = Callable[[str], str]
-"""Why a language cannot be heard here, by its code; empty if it can."""
+"""Returns the reason why this machine cannot hear a language code; empty if it can."""
 
 
 class Controls:
-    """Language, voice, muted and confirm. All or nothing of a change is made, and told on the bus.
+    """Language, voice, muted and confirm. A change is made as a whole or not, and published.
 
-    A language that could not be heard is refused: nobody could stop the robot in it. What was set
-    from the start is not.
-
-    An empty voice means the best one that the language has here. A change of language drops a voice
-    of another language.
+    A change to a language that cannot be heard is refused, because no person could stop the robot
+    in it; the language from the start is accepted. An empty voice means the best voice of the
+    language. A change of language drops a voice of another language.
     """
 
     def __init__(
@@ -55,7 +53,7 @@ class Controls:
 
     @property
     def voice(self) -> str:
-        """The voice that was chosen; empty for the language's best."""
+        """The chosen voice; empty for the language's best."""
         return str(self._values["voice"])
 
     @property
@@ -64,16 +62,16 @@ class Controls:
 
     @property
     def confirm(self) -> str:
-        """When somebody is asked before the robot drives."""
+        """The setting for questions before a drive."""
         return str(self._values["confirm"])
 
     @property
     def voices(self) -> tuple[str, ...]:
-        """What this machine has for the language."""
+        """The voices that this machine has for the language."""
         return tuple(self._voices(self.language))
 
     def check(self, wanted: Mapping[str, Value]) -> dict[str, Value]:
-        """All values as they would be. Raises `InvalidValue` if one cannot be honoured."""
+        """All values after the change. Raises `InvalidValue` if one cannot be honoured."""
         values = {**self._values, **wanted}
         language, voice = str(values["language"]), str(values["voice"])
         if language not in LANGUAGES:

@@ -1,6 +1,23 @@
-"""The root of every error that EdgeVox raises on purpose.
+"""`EdgeVoxError`, the root of the errors that people read; `Refusal`, the reasons to refuse.
 
-Why something that was asked for is not taken: counted and logged under these names.
+The tree, with the main subclasses and the packages that define them:
+
+- `EdgeVoxError`
+    - `InvalidValue` (core): a field holds a wrong value
+        - `WrongArgument` (agent), `UnknownModel` (models)
+    - `SkillFailed` (agent): a skill cannot be done; its reason may be said aloud
+        - `Denied` (agent): the policy forbids it
+        - `OutOfReach`, `InTheWay` (robots)
+    - `ModelFailed` (agent): the language model gave no answer
+        - `ModelBusy`, `Unreachable`, `Unusable`, `RequestRefused` (agent)
+    - `ModelMissing`, `FetchFailed`, `SourceFailed`, `StoreNotWritable` (models): files of models
+    - `DeviceMissing`, `SynthesisFailed`, `EndOfSound` (voice)
+    - `RosBridgeFailed`, `InterfaceMissing` (ros2)
+    - `StreamStopped`, `UnusableLanguage` (core)
+
+Some exceptions are no `EdgeVoxError`; their callers catch them by name: `Cancelled` (core),
+`NodeBusy` and `TookTooLong` (ros2), `NotPermitted` (console) and `Leave` (apps) derive from
+`Exception`, `Terminated` (apps) from `BaseException`, as `KeyboardInterrupt` does.
 """
 
 import math
@@ -10,7 +27,7 @@ from edgevox.core.files.text import one_line
 
 
 class Refusal(StrEnum):
-    """A reason, as data; the sentence that goes with it says the rest."""
+    """Reasons to refuse a request. Refusals are counted and logged under these names."""
 
     TOO_LONG = "too_long"
     TOO_MANY = "too_many"
@@ -21,7 +38,7 @@ class Refusal(StrEnum):
 
 
 class EdgeVoxError(Exception):
-    """Something was wrong; the message says what, with which value, and what would be right."""
+    """The root of EdgeVox's errors. The message names the problem, the value and a right value."""
 
 
 class InvalidValue(EdgeVoxError):

@@ -1,4 +1,4 @@
-"""What happened. All that EdgeVox shows, on ROS 2 or a terminal, is one of these on the bus."""
+"""Events on the bus. Everything that EdgeVox shows, on ROS 2 or a terminal, is one of these."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -9,7 +9,7 @@ from edgevox.core.agent_events import AgentEvent
 
 
 class State(StrEnum):
-    """What the conversation is doing, as the `state` topic says it."""
+    """States of the conversation, as the topic `state` reports them."""
 
     LISTENING = "listening"
     TRANSCRIBING = "transcribing"
@@ -19,7 +19,7 @@ class State(StrEnum):
 
 
 class Outcome(StrEnum):
-    """What became of a turn that somebody asked for in words."""
+    """Outcomes of a turn that words asked for."""
 
     ANSWERED = "answered"
     ACTED = "acted"
@@ -31,7 +31,7 @@ class Outcome(StrEnum):
 
 
 class Cause(StrEnum):
-    """Who or what interrupts."""
+    """Sources of an interruption."""
 
     TOPIC = "topic"
     BARGE_IN = "barge_in"
@@ -45,34 +45,33 @@ class Cause(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class Transcribed:
-    """What the person said or typed, as text. `turn` is 0 for words that start no turn.
-
-    `confidence` is that these are the words, from 0 to 1; None for what nobody heard.
-    """
+    """Words that the person said or typed, as text."""
 
     text: str
+    """The words."""
     turn: int = 0
+    """Number of the turn that they start; 0 if they start none."""
     confidence: float | None = None
+    """Confidence that the transcript is right, from 0 to 1; None for words that were not spoken."""
 
 
 @dataclass(frozen=True, slots=True)
 class Decided:
-    """What the words of a turn were understood as, before it is done, asked about or refused.
-
-    `calls` are skills with their arguments, `stage` is who found that out: ``template``,
-    ``reading`` or ``model``. `confidence` is that it is meant, from 0 to 1; None where nothing
-    measured that.
-    """
+    """The meaning found in the words of a turn, before it is done, asked about or refused."""
 
     calls: tuple[tuple[str, Mapping[str, Any]], ...]
+    """Names of skills with their arguments."""
     stage: str
+    """The stage that understood the words: ``template``, ``reading`` or ``model``."""
     confidence: float | None
+    """Confidence in the meaning, from 0 to 1; None if the stage does not measure it."""
     turn: int
+    """Number of the turn."""
 
 
 @dataclass(frozen=True, slots=True)
 class TokenGenerated:
-    """One piece of an answer, as soon as it exists."""
+    """A piece of an answer, as soon as it exists."""
 
     text: str
     turn: int = 0
@@ -80,7 +79,7 @@ class TokenGenerated:
 
 @dataclass(frozen=True, slots=True)
 class SentenceReady:
-    """One sentence of an answer, whole, as it goes to text-to-speech."""
+    """A whole sentence of an answer, as it goes to text-to-speech."""
 
     text: str
     turn: int = 0
@@ -88,19 +87,20 @@ class SentenceReady:
 
 @dataclass(frozen=True, slots=True)
 class Responded:
-    """The full text of one answer; `cut` if it was interrupted before its end.
-
-    `detail` is what is too long to be said and may be read beside it, such as a list.
-    """
+    """The full text of an answer."""
 
     text: str
+    """The answer; if it was cut, only the part that was said."""
     turn: int = 0
+    """Number of the turn."""
     cut: bool = False
+    """True if the answer was interrupted before its end."""
     detail: str = ""
+    """Text that is written beside the answer and too long to say, such as a list."""
 
     @property
     def written(self) -> str:
-        """All of it, for whoever reads."""
+        """The answer and its detail, for reading."""
         return f"{self.text} {self.detail}".strip()
 
 
@@ -128,17 +128,20 @@ class WakeWordHeard:
 
 @dataclass(frozen=True, slots=True)
 class TurnMeasured:
-    """Seconds that the stages of one turn took; 0 for a stage it did not need.
-
-    `ttfs` is the time to the first sign of an answer that a person could notice.
-    """
+    """Seconds that the stages of one turn took; 0 for a stage that the turn did not need."""
 
     stt: float
+    """Seconds of speech recognition."""
     llm: float
+    """Seconds that a language model worked."""
     tts: float
+    """Seconds of speech synthesis."""
     ttfs: float
+    """Seconds from the end of the input to the first part of the answer that a person notices."""
     total: float
+    """Seconds from the end of the input to the end of the turn."""
     turn: int = 0
+    """Number of the turn."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -150,7 +153,7 @@ class RobotState:
 
 @dataclass(frozen=True, slots=True)
 class ControlChanged:
-    """`language`, `voice`, `muted` or `confirm`, which can change while it runs, is another now."""
+    """A control that can change at run time changed: `language`, `voice`, `muted` or `confirm`."""
 
     name: str
     value: str | bool
@@ -166,20 +169,19 @@ class Answered:
 
 @dataclass(frozen=True, slots=True)
 class TurnEnded:
-    """A turn is over: nothing more will be said for it, though its goals may still run.
-
-    `outcome` is None for what nobody asked for in words. `tokens` are the pieces that a language
-    model generated for it, calls of skills among them.
-    """
+    """A turn is over: the robot says nothing more for it, though its goals may still run."""
 
     turn: int
+    """Number of the turn."""
     outcome: Outcome | None = None
+    """The outcome; None for a turn that no words asked for."""
     tokens: int = 0
+    """Number of tokens that a language model generated for it, calls of skills included."""
 
 
 @dataclass(frozen=True, slots=True)
 class Interrupted:
-    """Somebody asked for silence, and most for a halt, too, whether or not anything ran."""
+    """An interruption was asked for, whether or not anything ran; most also halt the robot."""
 
     cause: Cause
 

@@ -1,20 +1,23 @@
-"""What components read off the bus: how loud it is, and how the last turns went."""
+"""Gauges: readings that components take from the bus, of loudness and of the last turns."""
 
 from edgevox.core.bus import Bus
 from edgevox.core.events import AudioLevel, Outcome, TokenGenerated, TurnEnded, TurnMeasured
 
 
 class Gauges:
-    """The last of each; None before the first. Read from any thread."""
+    """The last value of each reading; None before the first. Any thread may read."""
 
     def __init__(self, bus: Bus) -> None:
         self.level: float | None = None
+        """Loudness of the microphone, root mean square, 0 to 1."""
         self.synthesis_s: float | None = None
+        """Seconds of speech synthesis for the last spoken answer."""
         self.first_audio_s: float | None = None
+        """Seconds from the input to the first audible sample of that answer."""
         self.tokens_per_s: float | None = None
-        """Of the last answer in words, from the question on: reading it counts."""
+        """Tokens per second of the last answer by a model; reading the prompt counts as well."""
         self.model_failures = 0
-        """Turns that failed after a language model had worked for them."""
+        """Number of turns that failed after a language model had worked for them."""
         self._thought_s = 0.0
         self._tokens = 0
         self._forget = [
@@ -25,7 +28,7 @@ class Gauges:
         ]
 
     def close(self) -> None:
-        """Read no more."""
+        """Stop listening to the bus."""
         for forget in self._forget:
             forget()
 

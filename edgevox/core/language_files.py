@@ -1,7 +1,7 @@
-"""The files of languages: `languages/CODE.toml` beside this file is all that is known of one.
+"""The files of languages: `languages/CODE.toml` beside this file holds all data of a language.
 
-Each is read when something first asks for it: reading all of them takes longer than most programs
-need to start. `every_language.toml` holds what is of no single language.
+A file is read when it is first needed: reading all takes longer than most programs need to start.
+`every_language.toml` holds data that belongs to no single language.
 """
 
 import re
@@ -19,27 +19,27 @@ _HERE = resources.files("edgevox.core")
 _FOLDER = _HERE / "languages"
 _ENDING = ".toml"
 _TABLE = re.compile(r"^\[", re.MULTILINE)
-"""Where the next table begins."""
+"""The beginning of the next table."""
 _NEEDED = ("name", "signs", "stt", "tts", "espeak", "stop")
-"""What a robot cannot be spoken to without. All else has an answer in English, or is left out."""
+"""Keys that every language needs. Other keys fall back to English, or are left out."""
 
 EVERY_LANGUAGE: Mapping[str, Any] = MappingProxyType(
     tomllib.loads((_HERE / "every_language.toml").read_text("utf-8"))
 )
-"""What is of no single language."""
+"""Data that belongs to no single language."""
 
 _Kept = TypeVar("_Kept")
 
 
 class UnusableLanguage(EdgeVoxError):
-    """The file of a language cannot be used; the message names it, and says why."""
+    """The file of a language cannot be used; the message has its path and the reason."""
 
     def __init__(self, code: str, why: str) -> None:
         super().__init__(f"{_FOLDER / code}{_ENDING}: {why}")
 
 
 def _codes() -> tuple[str, ...]:
-    """The languages that there is a file of, those of `order` first."""
+    """Codes of the languages that have a file, those of `order` first."""
     names = (file.name for file in _FOLDER.iterdir())
     found = {name.removesuffix(_ENDING) for name in names if name.endswith(_ENDING)}
     order = [code for code in EVERY_LANGUAGE["order"] if code in found]
@@ -47,15 +47,15 @@ def _codes() -> tuple[str, ...]:
 
 
 CODES: tuple[str, ...] = _codes()
-"""The ISO 639-1 codes of all languages, in the order in which they are listed; English first."""
+"""ISO 639-1 codes of all languages, in the order of lists; English is first."""
 
 
 @cache
 def language_file(code: str) -> Mapping[str, Any]:
-    """All that the file of a language holds.
+    """The contents of a language's file.
 
-    Raises `InvalidValue` for one that there is none of, and `UnusableLanguage` for one that is no
-    TOML, or lacks what each needs.
+    Raises `InvalidValue` for an unknown code, and `UnusableLanguage` for a file that is no TOML or
+    lacks a needed key.
     """
     if code not in CODES:
         raise InvalidValue("language", code, "one of " + ", ".join(CODES))
@@ -71,16 +71,16 @@ def language_file(code: str) -> Mapping[str, Any]:
 
 @cache
 def language_table(code: str, name: str) -> Mapping[str, Any]:
-    """One table of a file, without reading the rest where it stands by itself; raises likewise.
+    """One table of a language's file, parsed alone if possible. Raises as `language_file`.
 
-    Some tables are wanted of all languages, such as what stops a robot, and at once.
+    Some tables, such as the stop words, are needed of all languages at once.
     """
     header = f"\n[{name}]\n"
     text = (_FOLDER / f"{code}{_ENDING}").read_text("utf-8") if code in CODES else ""
     begin = text.find(header)
     if begin >= 0:
         end = _TABLE.search(text, begin + len(header))
-        with suppress(ValueError):  # the whole file says what is wrong
+        with suppress(ValueError):  # parsing the whole file below reports the error
             found = tomllib.loads(text[begin : end.start() if end else len(text)])
             return MappingProxyType(found[name])
     table: Mapping[str, Any] = language_file(code)[name]
@@ -88,7 +88,7 @@ def language_table(code: str, name: str) -> Mapping[str, Any]:
 
 
 class ByLanguage(Mapping[str, _Kept], Generic[_Kept]):
-    """Something of each language, made of its file when first asked for."""
+    """A mapping from each language code to a value that is made at its first use."""
 
     def __init__(self, make: Callable[[str], _Kept]) -> None:
         self._make = make

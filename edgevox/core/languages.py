@@ -10,43 +10,45 @@ from edgevox.core.stop_words import STOP_WORDS, StopWords
 
 STT_BACKEND = "faster-whisper"
 KOKORO_MODELS = ("kokoro-82m", "kokoro-voices")
-"""The ids in edgevox-models of Kokoro's model and of all its voices."""
+"""Ids in edgevox-models of Kokoro's model and of all its voices."""
 
 
 @dataclass(frozen=True, slots=True)
 class Voice:
-    """A text-to-speech voice of a language.
-
-    `backend` is piper, kokoro or espeak, `key` what that backend calls the voice (espeak-ng: the
-    language). `models` are the ids in edgevox-models of what it needs.
-    """
+    """A text-to-speech voice of a language."""
 
     name: str
+    """The name in settings."""
     backend: str
+    """`piper`, `kokoro` or `espeak`."""
     key: str
+    """The backend's name for the voice; for espeak-ng that of the language."""
     models: tuple[str, ...] = ()
+    """Ids in edgevox-models of the models that it needs."""
 
 
 @dataclass(frozen=True, slots=True)
 class Language:
-    """One language: its ISO 639-1 code, its English name, its voices, the words that stop a robot.
-
-    `spaced` is False for scripts that write words without spaces between them. `stt_model` is the
-    id in edgevox-models of what hears it. `voices` are best first; the last is espeak-ng's, which
-    needs no model. `signs` are the words for signs that a voice would swallow, such as a minus.
-    """
+    """A language of the catalogue."""
 
     code: str
+    """ISO 639-1 code."""
     name: str
+    """English name."""
     stop: StopWords
+    """Words that stop a robot."""
     signs: Mapping[str, str]
+    """Words for signs that a voice would swallow, such as a minus."""
     spaced: bool = True
+    """False for a script without spaces between words."""
     stt_model: str = ""
+    """Id in edgevox-models of the speech recognition model."""
     voices: tuple[Voice, ...] = ()
+    """Voices, the best first; the last is espeak-ng's, which needs no model."""
 
 
 def _voices(code: str, entry: Mapping[str, Any]) -> Iterator[Voice]:
-    """The voices of one table, in its order of backends; an alias comes after what it names."""
+    """The voices of one table, in its order of backends; an alias follows its voice."""
     aliases = {key: name for name, key in entry.get("aliases", {}).items()}
     for backend in entry["tts"]:
         if backend == "espeak":

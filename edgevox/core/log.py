@@ -1,10 +1,10 @@
-"""Logs, as every module writes them: the name of an event, then its fields.
+"""Loggers: every module writes the name of an event, then its fields.
 
     log = get_logger(__name__)
     log.warning("sound_device_lost", device=name, retry_s=2.0)
 
-Lines go through the standard library's logging, under the module's name. How they look and where
-they go is set up by `edgevox.ops.logs`; where nobody sets anything up, nothing is shown.
+Lines go through the standard library's logging, under the module's name. `edgevox.ops.logs` sets up
+their form and their destination; without a setup, nothing is shown.
 """
 
 import logging
@@ -28,15 +28,15 @@ _LEVELS = {
     "critical": logging.CRITICAL,
 }
 _CALLER = 2
-"""How many frames above `_proxy_to_logger` the line was written: `info` is between them."""
+"""Number of frames from `_proxy_to_logger` up to the caller; `info` is between them."""
 
 logging.getLogger(ROOT).addHandler(logging.NullHandler())  # else warnings print by themselves
 
 
 class Said:
-    """What a person or the robot said. It prints as its length; `text` is the words themselves.
+    """Words of a person or the robot for a log field, printed only as their length.
 
-    A field that holds such words is given as this, so that no line shows them by accident.
+    Wrap such words in this class, so that no line shows them by accident. `text` has the words.
     """
 
     __slots__ = ("text",)
@@ -49,21 +49,21 @@ class Said:
 
 
 def worth_a_line(count: int) -> bool:
-    """Whether the failure of this number is one of 1, 2, 4, 8, ...: a flood leaves a few lines.
+    """True for the failures 1, 2, 4, 8, ..., so that a flood leaves only a few lines.
 
-    `RateLimit` of `edgevox.ops.logs` thins what comes fast; this what goes on all night.
+    This thins failures that go on all night; `RateLimit` of `edgevox.ops.logs` thins fast ones.
     """
     return count.bit_count() == 1
 
 
 class ChangeDetector:
-    """Says whether something differs from what was told last: a fault that stays is one line."""
+    """Tells whether texts differ from the last ones, so that a lasting fault is one line."""
 
     def __init__(self) -> None:
         self._said: tuple[str, ...] = ()
 
     def __call__(self, *told: str) -> bool:
-        """Whether it is worth a line; from now on this is what was told last."""
+        """True if the texts differ from those of the last call."""
         news, self._said = told != self._said, told
         return news
 
@@ -79,8 +79,8 @@ class LogLine(dict[str, Any]):
 class Logger(BoundLogger):
     """structlog's logger on top of the standard library's; a line below its level costs nothing.
 
-    It makes the record by itself, in place of structlog's processors and logging's search for the
-    caller: together a third of what a line costs before it is written.
+    It makes the record itself instead of using structlog's processors and logging's search for the
+    caller, which together are a third of a line's cost before it is written.
     """
 
     def _proxy_to_logger(
@@ -104,27 +104,27 @@ class Logger(BoundLogger):
 
 
 def get_logger(name: str) -> Logger:
-    """The logger of a module: its lines have an event and fields, by name."""
+    """The logger of a module, whose lines have an event and named fields."""
     return Logger(logging.getLogger(name), [], {})
 
 
 @contextmanager
 def bound(**ids: object) -> Iterator[None]:
-    """Put these, such as ``turn=3`` or ``goal="7"``, on every line of this thread meanwhile.
+    """Add fields such as ``turn=3`` or ``goal="7"`` to every line of this thread meanwhile.
 
-    One that is None, 0 or empty is left out: there is no such turn or goal.
+    A field that is None, 0 or empty is left out: there is no such turn or goal.
     """
     with bound_contextvars(**{name: value for name, value in ids.items() if value}):
         yield
 
 
 def bound_now() -> dict[str, Any]:
-    """What this thread has bound: another that works for the same turn binds it, too."""
+    """The bound fields of this thread, to bind in another thread that works for the same turn."""
     return get_contextvars()
 
 
 def _exc_info(told: Any) -> Any:
-    """What `exc_info` means, as logging has it: an exception, or the one that is handled now."""
+    """The exception that `exc_info` means, as in logging: a given one, or the one handled now."""
     if not told or isinstance(told, tuple):
         return told or None
     if isinstance(told, BaseException):

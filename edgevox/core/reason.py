@@ -1,4 +1,4 @@
-"""Why something was not done, as data: for programs a code, for people a sentence."""
+"""Reasons of refusals and failures as data: a code for programs, a sentence for people."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -7,7 +7,7 @@ from typing import Any
 
 @dataclass(frozen=True, slots=True)
 class Named:
-    """What a reason is about, with what it is called in some languages, by code."""
+    """A thing that a reason is about, with its names by language code."""
 
     text: str
     names: Mapping[str, str] = field(default_factory=dict)
@@ -18,18 +18,17 @@ class Named:
 
 @dataclass(frozen=True, slots=True)
 class Reason:
-    """`text` is English, a sentence that a person may hear; an empty one is no reason.
-
-    `code` is what the phrasebooks of all languages know it by, and `values` are what it is about:
-    names, `Named`, tuples of names, numbers as they are said, other reasons. Without a code it is
-    somebody's own sentence, which is said as it is in every language. `sentences` are its own by
-    language, of one that no phrasebook knows.
-    """
+    """A reason of a refusal or failure; false if its text is empty."""
 
     text: str
+    """An English sentence that a person may hear; empty for no reason."""
     code: str = ""
+    """The key of the sentence in the phrasebooks of all languages. Without a code, `text` is said
+    as it is in every language."""
     values: Mapping[str, Any] = field(default_factory=dict)
+    """Values for the sentence: names, `Named`, tuples of names, spoken numbers, other reasons."""
     sentences: Mapping[str, str] = field(default_factory=dict)
+    """Own sentences by language code, for a code that no phrasebook knows."""
 
     def __bool__(self) -> bool:
         return bool(self.text)
@@ -42,5 +41,5 @@ NO_REASON = Reason("")
 
 
 def in_english(value: Any) -> str:
-    """What a reason is about, as a word in a sentence."""
+    """A value of a reason as words in an English sentence."""
     return ", ".join(value) if isinstance(value, tuple) else str(value)

@@ -1,14 +1,11 @@
 """The settings: one model, validated once, with the field's name in every error.
 
-They come from, each overruling the one before: the defaults below, a TOML file, ``EDGEVOX_*``
-variables, command line flags, and, on a running node, ROS 2 parameters.
+Sources, each overruling the one before: the defaults below, a TOML file, ``EDGEVOX_*`` variables,
+command line flags, and, on a running node, ROS 2 parameters.
 
-What settings may be where a type alone does not say it: each is refused in words for people.
-
-Names that settings had before: flags, variables and keys of a TOML file that go on working.
-
-A setting says its own in its field's ``json_schema_extra``: `old_name` for all three, and
-`old_flag` where the flag was called otherwise.
+Validators add the rules that a type cannot express, with messages for people. Old names of settings
+go on working as flags, variables and TOML keys: a field's ``json_schema_extra`` has `old_name` for
+all three, and `old_flag` if the flag had another name.
 """
 
 import os
@@ -69,13 +66,13 @@ def _valid_endpoint(url: str) -> str:
 
 
 LanguageCode = Annotated[str, AfterValidator(_known_language)]
-"""The code of a language that there is."""
+"""The code of a language of the catalogue."""
 RosNamespace = Annotated[str, AfterValidator(_valid_namespace)]
-"""A namespace of ROS 2, made absolute."""
+"""A ROS 2 namespace, made absolute."""
 FramePrefix = Annotated[str, AfterValidator(_valid_prefix)]
-"""What may stand before the names of frames."""
+"""A prefix for the names of frames."""
 Endpoint = Annotated[str, AfterValidator(_valid_endpoint)]
-"""A server's address without a key in it; empty for none."""
+"""The address of a server, without a key; empty for none."""
 
 
 ENV_PREFIX = "EDGEVOX_"
@@ -83,17 +80,17 @@ Fields = Mapping[str, FieldInfo]
 
 
 def old_name(info: FieldInfo) -> str:
-    """What the setting was called; empty for most."""
+    """The old name of a setting; empty for most."""
     return _extra(info, "old_name")
 
 
 def old_flag(info: FieldInfo) -> str:
-    """What its flag was called; empty for most."""
+    """The old name of a setting's flag; empty for most."""
     return _extra(info, "old_flag") or old_name(info)
 
 
 def one_value(old: str, value: object, new: str, other: object) -> None:
-    """Raises `InvalidValue`, with both names, if one setting has two values."""
+    """Raise `InvalidValue`, with both names, if one setting has two values."""
     if value != other:
         raise InvalidValue(old, value, f"{other!r}, as {new} says, or only one")
 
@@ -101,7 +98,7 @@ def one_value(old: str, value: object, new: str, other: object) -> None:
 def by_old_variables(environment: Mapping[str, str], fields: Fields) -> dict[str, Any]:
     """The settings that the environment gives by an old name.
 
-    Raises `InvalidValue` for one that it gives by its new name too, and another value.
+    Raises `InvalidValue` if it also gives another value by the new name.
     """
     given = {name.upper(): value for name, value in environment.items()}
     values: dict[str, Any] = {}
@@ -114,9 +111,9 @@ def by_old_variables(environment: Mapping[str, str], fields: Fields) -> dict[str
 
 
 def by_new_keys(written: Mapping[str, Any], fields: Fields) -> dict[str, Any]:
-    """A TOML file's settings, those with an old key under the new one.
+    """The settings of a TOML file, with old keys replaced by the new ones.
 
-    Raises `InvalidValue` for one that has both keys, and another value by each.
+    Raises `InvalidValue` if both keys of a setting have different values.
     """
     values = dict(written)
     for name, info in fields.items():
@@ -134,10 +131,10 @@ def _extra(info: FieldInfo, key: str) -> str:
 
 Confirm = Literal["always", "unsure", "never"]
 CONFIRM: tuple[Confirm, ...] = get_args(Confirm)
-"""When somebody is asked before the robot drives."""
+"""Values of the setting for questions before a drive."""
 Echo = Literal["cancel", "gate", "none"]
 NO_LLM = "none"
-"""As `llm`: no language model on board."""
+"""Value of `llm` for no language model on board."""
 WakeEngine = Literal["micro", "openwakeword"]
 ConsoleTls = Literal["own", "files", "off"]
 LlmBackend = Literal["auto", "xllamacpp", "llama-cpp-python"]
@@ -151,7 +148,7 @@ class Settings(BaseSettings):
         env_prefix=ENV_PREFIX, extra="forbid", frozen=True, validate_default=True
     )
     written: ClassVar[Mapping[str, Any]] = {}
-    """What stands in the TOML file."""
+    """The contents of the TOML file."""
 
     language: LanguageCode = Field("en", description="language to hear and speak, ISO 639-1 code")
     voice: str = Field("", description="text-to-speech voice; empty chooses by the language")
@@ -382,7 +379,7 @@ class Settings(BaseSettings):
 
     @property
     def serves_console(self) -> bool:
-        """Whether the console is asked for: `console_optional` gives way to any `console`."""
+        """True if the console is wanted: a given `console` overrides `console_optional`."""
         said = "console" in self.model_fields_set
         return self.console if said else self.console_optional
 
@@ -419,7 +416,7 @@ def _from_file(config: Path) -> type[Settings]:
 
 
 def written_in(file: Path) -> dict[str, Any]:
-    """What stands in a TOML file. Raises `EdgeVoxError` for one that cannot be read."""
+    """The contents of a TOML file. Raises `EdgeVoxError` if it cannot be read."""
     try:
         return tomllib.loads(read_text(file, "config"))
     except (ValueError, RecursionError) as error:
@@ -427,7 +424,7 @@ def written_in(file: Path) -> dict[str, Any]:
 
 
 def check_settings(values: Mapping[str, Any]) -> Settings:
-    """Settings from these values and the defaults, and from nowhere else. Raises `InvalidValue`."""
+    """Settings from these values and the defaults alone. Raises `InvalidValue`."""
     try:
         return _alone()(**values)
     except ValidationError as error:
@@ -436,7 +433,7 @@ def check_settings(values: Mapping[str, Any]) -> Settings:
 
 @cache
 def _alone() -> type[Settings]:
-    """Made once, for who asks: a model of so many fields takes longer than what it checks."""
+    """Settings without other sources. Cached: making so large a model takes longer than a check."""
 
     class Alone(Settings):
         @classmethod

@@ -1,7 +1,4 @@
-"""Speaking aloud, as the conversation sees it: what is to be said, and what became of it.
-
-What words tell of whether somebody who fell silent has ended.
-"""
+"""Speech, as the conversation sees it: protocols for speaking aloud, and endings of utterances."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -12,50 +9,49 @@ from edgevox.core.cancel import CancelToken
 
 
 class Ending(StrEnum):
-    """How what was said so far ends.
-
-    `FINAL`: nothing that follows could change it, a stop. `WHOLE`: a plain command. `MAY_GO_ON`: a
-    plain command that often has more words, as "turn left". `OPEN`: anything else. `BROKEN_OFF`: it
-    ends in a word that more must follow, as "go to the".
-    """
+    """Endings of the words so far, to tell whether a person who fell silent has finished."""
 
     FINAL = "final"
+    """A stop: no further word could change it."""
     WHOLE = "whole"
+    """A plain command."""
     MAY_GO_ON = "may_go_on"
+    """A plain command that often has more words: "turn left"."""
     OPEN = "open"
+    """Any other words."""
     BROKEN_OFF = "broken_off"
+    """Words whose last one needs another: "go to the"."""
 
 
 @dataclass(frozen=True, slots=True)
 class Spoken:
-    """What became of an utterance.
-
-    `text` is what was audible: whole sentences, and of the one that was cut the words up to the
-    cut. `first_audible_s` is the clock's time of the first sample, None if nothing was played.
-    `synthesis_s` is how long the synthesiser worked for all of it.
-    """
+    """The result of a spoken utterance."""
 
     text: str
+    """The audible part: whole sentences, and of a cut one the words up to the cut."""
     cut: bool = False
+    """True if it was cut before its end."""
     first_audible_s: float | None = None
+    """The clock's time of the first sample; None if nothing was played."""
     synthesis_s: float = 0.0
+    """Seconds that the synthesiser worked for all of it."""
 
 
 class Utterance(Protocol):
-    """One answer on its way to the loudspeaker."""
+    """An answer on its way to the loudspeaker."""
 
     def say(self, sentence: str) -> None:
-        """One more sentence; does not block."""
+        """Add a sentence; does not block."""
 
     def finish(self) -> Spoken:
-        """There are no more: block until all is audible, or the token is cancelled."""
+        """Tell that no sentence follows; block until all was audible or the token is cancelled."""
 
 
 class TextToSpeech(Protocol):
     """Speaks one utterance at a time."""
 
     def begin(self, token: CancelToken, on_audible: Callable[[], object]) -> Utterance:
-        """A new utterance. A cancelled token silences it within 0.1 s; nothing more of it is said.
+        """Begin an utterance. A cancelled token silences it for good, within 0.1 s.
 
         `on_audible` is called once, on the playback thread, when its first sample is played.
         """

@@ -1,11 +1,7 @@
-"""How a component is. It says so once; health, /metrics and /diagnostics show it.
+"""The status of components, reported once and shown by health, /metrics and /diagnostics.
 
-The doctor looks at a machine on which no agent may run, so it has checks of its own. What is judged
-in more than one place, such as when something stalls, is judged here.
-
-A fault: what something that keeps trying says while it cannot do its work.
-
-Whether a count has grown of late: a fault that is over must not be shown for ever.
+Judgements for several components, such as when something stalls, are here too. The doctor has its
+own checks, because it looks at a machine on which no agent may run.
 """
 
 from collections import Counter
@@ -22,7 +18,7 @@ log = get_logger(__name__)
 
 @runtime_checkable
 class ReportsFault(Protocol):
-    """Knows why it cannot do its work now. It goes on trying by itself."""
+    """A part that keeps trying, and knows why it cannot do its work now."""
 
     @property
     def fault(self) -> str:
@@ -30,16 +26,16 @@ class ReportsFault(Protocol):
 
 
 def fault_of(thing: object) -> str:
-    """What it says is wrong; empty for what cannot say it."""
+    """The fault of a thing; empty if it reports none or cannot."""
     return thing.fault if isinstance(thing, ReportsFault) else ""
 
 
 LATELY_S = 10.0
-"""For so long something that happened is shown as a fault; its count stays."""
+"""Seconds for which an event is shown as a fault; its count stays."""
 
 
 class RecentIncrease:
-    """Watches a counter that only grows. Asked from any thread."""
+    """Watches a counter that only grows, so that an old fault is not shown forever."""
 
     def __init__(self, clock: Clock | None = None, window_s: float = LATELY_S) -> None:
         self._clock = clock or SystemClock()
@@ -48,7 +44,7 @@ class RecentIncrease:
         self._grew_s = float("-inf")
 
     def grew(self, count: int) -> bool:
-        """Whether it has grown within the last seconds; `count` is what it is now."""
+        """True if the counter has grown within the window; `count` is its value now."""
         now_s = self._clock.now()
         if count > self._seen:
             self._grew_s = now_s
@@ -57,16 +53,16 @@ class RecentIncrease:
 
 
 LATE_S = 1.0
-"""What should move and has not for this long is worth a word."""
+"""Seconds without a move from which on a moving part is a warning."""
 STALL_S = 6.0
-"""What should move and has not for this long is frozen."""
+"""Seconds without a move from which on a moving part counts as frozen."""
 
 Value = bool | int | float | str | None
-"""None is what is not known yet. Its name ends in its unit (``last_s``, ``free_mib``), if any."""
+"""A reading; None if not known yet. Its name ends in its unit, if any: ``last_s``, ``free_mib``."""
 
 
 class ComponentName(StrEnum):
-    """What every agent lists, in this order."""
+    """The components that every agent lists, in this order."""
 
     AUDIO = "audio"
     STT = "stt"
@@ -83,10 +79,7 @@ class ComponentName(StrEnum):
 
 
 class Level(IntEnum):
-    """How well something is, in the words and numbers of `diagnostic_msgs`.
-
-    Stale is what nobody has looked at.
-    """
+    """Levels of a status, named and numbered as in `diagnostic_msgs`; `STALE` was not looked at."""
 
     OK = 0
     WARN = 1
@@ -96,7 +89,7 @@ class Level(IntEnum):
 
 @dataclass(frozen=True, slots=True)
 class Finding:
-    """Something that is not as it should be."""
+    """A problem with its level."""
 
     level: Level
     text: str
@@ -104,66 +97,73 @@ class Finding:
 
 @dataclass(frozen=True, slots=True)
 class Status:
-    """One component's word: how it is, why in a few words, and what can be read off it."""
+    """The status of one component."""
 
     name: str
+    """The component's name."""
     level: Level
+    """The worst level of its findings."""
     message: str
+    """The findings in a few words."""
     values: Mapping[str, Value] = field(default_factory=dict)
+    """Readings by name."""
 
     @classmethod
     def judged(
         cls, name: str, findings: Sequence[Finding] = (), *, well: str = "works", **values: Value
     ) -> Self:
-        """With what was found, the worst first and its level for all; `well` if that is nothing."""
+        """A status with the findings, the worst first; its message is `well` without any."""
         worst_first = sorted(findings, key=lambda finding: -finding.level)
         level = worst_first[0].level if worst_first else Level.OK
         return cls(name, level, "; ".join(one.text for one in worst_first) or well, values)
 
     @property
     def texts(self) -> Mapping[str, str]:
-        """The values for people, without those that nobody knows yet."""
+        """The values as texts for people, without unknown ones."""
         return {name: _text(value) for name, value in self.values.items() if value is not None}
 
 
 @dataclass(frozen=True, slots=True)
 class HealthCheck:
-    """What health asks of a component: `look` says what is wrong, empty if nothing is.
+    """A check of a component for health probes.
 
-    Without a `vital` one the process cannot do its work and should be started again; without
-    another it is not ready, and a new start would not help. It stands apart from the status since
-    a probe must be answered whatever hangs: it looks at this only, and waits for nothing.
+    It is separate from the status, because a probe must be answered whatever hangs: it runs only
+    these checks and waits for nothing.
     """
 
     name: str
+    """The check's name."""
     look: Callable[[], str]
+    """Returns the problem; empty if there is none."""
     vital: bool = True
+    """True if a failure means that the process must be restarted. False if it only means that the
+    process is not ready, which a restart would not change."""
 
     def said(self) -> str:
-        """What is wrong; one that breaks is a finding like any other."""
+        """The problem; a check that raises is a problem as well."""
         try:
             return self.look()
-        except Exception as error:  # noqa: BLE001 - whoever is asked may raise what he likes
+        except Exception as error:  # noqa: BLE001 - a component may raise anything
             return f"the check failed: {error!r}"
 
 
 class Component(Protocol):
-    """Says how it is. Both may be asked from any thread."""
+    """A part with a status. Any thread may ask for its checks and its status."""
 
     @property
     def name(self) -> str: ...
 
     @property
     def checks(self) -> Sequence[HealthCheck]:
-        """What health asks of it."""
+        """The checks for health probes."""
 
     def status(self) -> Status:
-        """How it is now. Quick."""
+        """The status now. Must be quick."""
 
 
 @dataclass(frozen=True, slots=True)
 class Off:
-    """A component that was not asked for, which is well; `level` is worse where it was."""
+    """A component that is off; `level` is worse than OK if it was asked for."""
 
     name: str
     why: str
@@ -171,7 +171,7 @@ class Off:
     level: Level = Level.OK
 
     def status(self) -> Status:
-        """That it is off."""
+        """The status, with the reason why it is off."""
         return Status(self.name, self.level, f"off: {self.why}")
 
 
@@ -184,22 +184,22 @@ class Components:
 
     @property
     def failures(self) -> int:
-        """How often one of them was asked and could not say how it is."""
+        """Number of times that a component could not tell its status."""
         return self._broke.total()
 
     def add(self, *components: Component) -> None:
-        """List these from now on, each in place of one of the same name."""
+        """Add components, each in place of one with the same name."""
         self._by_name = {**self._by_name, **{one.name: one for one in components}}
 
     @property
     def checks(self) -> Iterable[HealthCheck]:
-        """What health asks of them."""
+        """The checks of all components."""
         return (check for one in self._by_name.values() for check in one.checks)
 
     def statuses(self, names: Iterable[str] | None = None) -> list[Status]:
-        """What all, or those of them that are named, say now.
+        """The statuses of all components, or of the named ones.
 
-        One that cannot even be asked is an error, with its reason; it is counted and logged.
+        A component that raises gets an error with the reason; that is counted and logged.
         """
         asked = self._by_name if names is None else [one for one in self._by_name if one in names]
         return [self._ask(name) for name in asked]
@@ -207,7 +207,7 @@ class Components:
     def _ask(self, name: str) -> Status:
         try:
             return self._by_name[name].status()
-        except Exception as error:  # noqa: BLE001 - one that breaks is a finding like any other
+        except Exception as error:  # noqa: BLE001 - a component that raises has an error too
             self._broke[name] += 1
             if worth_a_line(self._broke[name]):
                 log.warning("component_unreadable", component=name, error=repr(error))
@@ -215,7 +215,7 @@ class Components:
 
 
 def moves(stalled_s: Callable[[], float]) -> Callable[[], str]:
-    """A look at something that says for how long it has stalled."""
+    """A check of a part that tells for how long it has stalled, in seconds."""
 
     def look() -> str:
         seconds = stalled_s()
@@ -225,12 +225,12 @@ def moves(stalled_s: Callable[[], float]) -> Callable[[], str]:
 
 
 def lives(alive: Callable[[], bool]) -> Callable[[], str]:
-    """A look at something with threads."""
+    """A check of a part that tells whether its threads are alive."""
     return lambda: "" if alive() else "its thread has ended"
 
 
 def stall(seconds: float, what: str) -> list[Finding]:
-    """What has not moved for so long is late, and then frozen."""
+    """The findings about a part that has not moved for `seconds`: none, late or frozen."""
     if seconds <= LATE_S:
         return []
     level = Level.ERROR if seconds > STALL_S else Level.WARN

@@ -1,4 +1,4 @@
-"""What stops a robot: the table `[stop]` of each language's file."""
+"""Stop words: the table `[stop]` of each language's file."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
@@ -13,7 +13,7 @@ from edgevox.core.language_files import (
 
 @dataclass(frozen=True, slots=True)
 class StopWords:
-    """What stops a robot in one language; `languages/en.toml` says what each field is."""
+    """The stop words of one language; `languages/en.toml` explains each field."""
 
     anywhere: tuple[str, ...]
     last: tuple[str, ...] = ()
@@ -25,7 +25,7 @@ class StopWords:
 
     @property
     def all(self) -> tuple[str, ...]:
-        """Every word that can stop a robot, wherever it has to stand."""
+        """Every word that can stop a robot, whatever its place in a sentence must be."""
         return self.anywhere + self.last + self.alone
 
 

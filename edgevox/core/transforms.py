@@ -1,11 +1,9 @@
-"""Poses and rigid transforms, on the floor and in space. Everybody takes them from here.
+"""Poses, rigid transforms and names of frames, on the floor and in space.
 
 A pose given in a frame is also the transform that takes points of its own frame to that frame.
 Metres and radians, axes by REP 103: x ahead (east on a map), y left (north), z up, turns
 counter-clockwise. Quaternions are x, y, z, w and of length 1.
-tests/unit/core/test_transforms.py holds this to SciPy.
-
-What the frames of a robot may be called, for the settings and for whoever puts them on /tf.
+tests/unit/core/test_transforms.py compares this with SciPy.
 """
 
 import math
@@ -15,11 +13,11 @@ from math import isfinite
 from typing import Literal, get_args
 
 MAP = "map"
-"""Shared by all robots of a domain."""
+"""The map's frame, which all robots of a domain share."""
 BASE = "base_link"
 ODOM = "odom"
 OdomFrame = Literal["", "odom"]
-"""The odometry's frame, or none: `base_link` hangs on `map` then."""
+"""The odometry's frame; empty if `base_link` is a child of `map`."""
 ODOM_FRAMES: tuple[str, ...] = get_args(OdomFrame)
 ODOM_EXPECTED = f"empty or {ODOM}"
 PREFIX_EXPECTED = "empty, or a prefix such as robot1/: letters, digits, underscores and slashes"
@@ -27,7 +25,7 @@ _PREFIX = re.compile(r"([A-Za-z][A-Za-z0-9_]*(/[A-Za-z_][A-Za-z0-9_]*)*/?)?")
 
 
 def is_prefix(text: str) -> bool:
-    """Whether frames may begin with it: names with a slash between, a letter first, or nothing."""
+    """True for a valid prefix of frames: empty, or names with slashes, a letter first."""
     return _PREFIX.fullmatch(text) is not None
 
 
@@ -41,7 +39,7 @@ class Pose2D:
 
     @property
     def finite(self) -> bool:
-        """Whether every number is one."""
+        """True if every number is finite."""
         return isfinite(self.x_m) and isfinite(self.y_m) and isfinite(self.yaw_rad)
 
 
@@ -61,11 +59,11 @@ class Pose3D:
 ORIGIN = Pose2D(0.0, 0.0, 0.0)
 IDENTITY = Pose3D()
 OFF_UNIT = 0.1
-"""So much longer or shorter than 1 a quaternion may have become by rounding."""
+"""Difference from length 1 that rounding may give a quaternion."""
 
 
 def rotate(x: float, y: float, yaw_rad: float) -> tuple[float, float]:
-    """A vector on the floor, turned to the left."""
+    """Turn a vector on the floor to the left."""
     cos, sin = math.cos(yaw_rad), math.sin(yaw_rad)
     return cos * x - sin * y, sin * x + cos * y
 
@@ -93,19 +91,19 @@ def distance_on_floor(one: Pose2D, other: Pose2D) -> float:
 
 
 def lift(pose: Pose2D) -> Pose3D:
-    """A pose on the floor as one in space."""
+    """The pose in space of a pose on the floor."""
     half = pose.yaw_rad / 2
     return Pose3D(pose.x_m, pose.y_m, 0.0, 0.0, 0.0, math.sin(half), math.cos(half))
 
 
 def project(pose: Pose3D) -> Pose2D:
-    """A pose in space seen from above: where its origin is, and which way its x axis points."""
+    """The pose on the floor below a pose in space, with the direction of its x axis."""
     ahead_x, ahead_y, _ = _rotate(pose, 1.0, 0.0, 0.0)
     return Pose2D(pose.x_m, pose.y_m, math.atan2(ahead_y, ahead_x))
 
 
 def pitch(down_rad: float) -> Pose3D:
-    """A turn about y, which makes what looks ahead look down."""
+    """A turn about y, which makes a view ahead look down."""
     return Pose3D(qy=math.sin(down_rad / 2), qw=math.cos(down_rad / 2))
 
 
@@ -126,7 +124,7 @@ def compose(parent: Pose3D, child: Pose3D) -> Pose3D:
 
 
 def inverse(pose: Pose3D) -> Pose3D:
-    """The parent seen from the child."""
+    """The inverse transform: the parent seen from the child."""
     back = Pose3D(0.0, 0.0, 0.0, -pose.qx, -pose.qy, -pose.qz, pose.qw)
     x, y, z = _rotate(back, -pose.x_m, -pose.y_m, -pose.z_m)
     return Pose3D(x, y, z, back.qx, back.qy, back.qz, back.qw)
@@ -144,7 +142,7 @@ def angle(one: Pose3D, other: Pose3D) -> float:
 
 
 def unit(pose: Pose3D) -> Pose3D:
-    """With a quaternion of length 1; of length 0 counts as no rotation."""
+    """The pose with a quaternion of length 1; length 0 counts as no rotation."""
     length = math.hypot(pose.qx, pose.qy, pose.qz, pose.qw)
     if length < 1e-9:
         return Pose3D(pose.x_m, pose.y_m, pose.z_m)
@@ -153,7 +151,7 @@ def unit(pose: Pose3D) -> Pose3D:
 
 
 def rigid(pose: Pose3D) -> Pose3D:
-    """With a quaternion of length 1; all NaN if it is further off than rounding explains."""
+    """The pose with a quaternion of length 1; all NaN if its length is off by over `OFF_UNIT`."""
     length = math.hypot(pose.qx, pose.qy, pose.qz, pose.qw)
     return unit(pose) if abs(length - 1.0) <= OFF_UNIT else Pose3D(*(7 * [math.nan]))
 

@@ -1,10 +1,10 @@
-"""The ways by which somebody asks the robot for something."""
+"""The ways by which requests reach the robot."""
 
 from enum import StrEnum
 
 
 class Way(StrEnum):
-    """One way in. A page in the browser has one for each role."""
+    """A way in. A page in the browser has one for each role."""
 
     VOICE = "voice"
     TYPED = "typed"
@@ -18,7 +18,7 @@ class Way(StrEnum):
 
     @property
     def attended(self) -> bool:
-        """Whether somebody is there who can be asked back, in words."""
+        """True if the way has a person whom the robot can ask back, in words."""
         return self not in _UNATTENDED
 
 

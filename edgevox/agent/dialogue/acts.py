@@ -1,6 +1,7 @@
-"""Understands answers: yes, no, and "no, the other one", in the words of a language.
+"""Answers and corrections: yes, no, and "no, the other one", in the words of a language.
 
-Corrects a call: "no, to the office" is the same call with another value of one argument.
+A correction changes a call: "no, to the office" is the same call with another value of one
+argument.
 """
 
 import re
@@ -19,25 +20,25 @@ from edgevox.core.files.json_reader import is_number
 from edgevox.core.files.text import one_form
 
 MAX_TOKENS = 32
-"""What is longer is no answer."""
+"""Number of tokens from which on a text is no answer."""
 
 _CLAUSE_END = re.compile(
     r"[;!?\u061b\u061f\u0964\u2026\u3001\u3002\uff01\uff0c\uff1b\uff1f\u060c]+|[.,:](?!\d)"
 )
 _NUMBER = re.compile(NUMBER)
 _TOKEN = re.compile(rf"{NUMBER}|[a-z']+|\S")
-"""Where words have no spaces between them, each character is one; foreign words stay whole."""
+"""The tokens of a script without spaces: each character is one; foreign words stay whole."""
 
 
 class Answer(StrEnum):
-    """What somebody says to a question."""
+    """Answers to a yes-or-no question."""
 
     YES = "yes"
     NO = "no"
 
 
 class _AnswerPart(StrEnum):
-    """What a phrase is in an answer, where it is neither yes nor no."""
+    """Kinds of phrases in an answer beside yes and no."""
 
     NOT = "not"
     POLITE = "polite"
@@ -46,7 +47,7 @@ class _AnswerPart(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class _Value:
-    """A value that somebody says: one of the words of an argument, or a number."""
+    """A spoken value: one of the words of an argument, or a number."""
 
     value: str
 
@@ -57,9 +58,10 @@ _Clause = tuple[_Found, ...]
 
 
 class Answers:
-    """Reads answers in several languages at once. `spaced`: words have spaces between them.
+    """Reads answers in several languages at once.
 
-    A text is an answer only if all of it is: "yes, but not now" is none.
+    A text is an answer only if all of it is: "yes, but not now" is none. `spaced` is True for a
+    language that puts spaces between words.
     """
 
     def __init__(self, tables: Iterable[AnswerWords], *, spaced: bool = True) -> None:
@@ -80,14 +82,14 @@ class Answers:
         self._corrections = {**polite, **little, **nos, **nots}
 
     def read(self, text: str) -> Answer | None:
-        """Yes or no, if that is all it says."""
+        """Yes or no if the text says nothing more, otherwise None."""
         for answer, phrases in ((Answer.NO, self._no), (Answer.YES, self._yes)):
             if {*chain.from_iterable(self._clauses(text, phrases))} - {_AnswerPart.POLITE}:
                 return answer
         return None
 
     def after_no(self, text: str) -> str:
-        """What is said after a no and a comma or the like; nothing if there is not both."""
+        """The text after a no and a comma or similar sign; empty unless it has both."""
         rest = ""
         for end in _CLAUSE_END.finditer(text):
             if self.read(text[: end.start()]) is not Answer.NO:
@@ -96,10 +98,10 @@ class Answers:
         return rest
 
     def value(self, text: str, spoken: Mapping[str, str], meant: str) -> str | None:
-        """The word that is meant instead of the one that was `meant`, if all of it says that.
+        """The word that a correction puts in place of `meant`; None if the text is no correction.
 
-        `spoken` is what may be said for each word. "No, the office" means it, and so does "not the
-        kitchen, the office"; "not the office" does not.
+        `spoken` maps each spoken form to its word. "No, the office" and "not the kitchen, the
+        office" mean the office; "not the office" does not.
         """
         words: _Phrases = {
             form: _Value(word)
@@ -114,7 +116,7 @@ class Answers:
         return others.pop() if corrects and len(others) == 1 else None
 
     def numbers(self, text: str) -> tuple[str, ...]:
-        """The numbers of a correction in digits, in their order, if all of it says that."""
+        """The numbers of a correction, as digits in their order; empty if it is no correction."""
         said: _Phrases = {(n,): _Value(n) for n in _NUMBER.findall(text)}
         clauses = self._clauses(text, {**self._corrections, **said})
         if any(map(_negated, clauses)) or not any(map(_says_no, clauses)):
@@ -122,11 +124,11 @@ class Answers:
         return tuple(one.value for clause in clauses for one in _values(clause))
 
     def may_correct(self, text: str) -> bool:
-        """Whether it could hold a no at all; most of what is said does not."""
+        """True if the text could hold a no; a quick check, since most texts do not."""
         return not self._denials.isdisjoint(chain(*_clause_tokens(text, self._spaced)))
 
     def _clauses(self, text: str, phrases: _Phrases) -> Sequence[_Clause]:
-        """What the phrases of each clause are; nothing if there is anything else in one."""
+        """The phrases of each clause; empty if a clause holds anything else."""
         clauses = _clause_tokens(text, self._spaced)
         if sum(map(len, clauses)) > MAX_TOKENS:
             return ()
@@ -139,19 +141,19 @@ class Answers:
 
 @lru_cache(maxsize=4096)
 def _forms(phrase: str, spaced: bool) -> tuple[tuple[str, ...], tuple[str, ...]]:
-    """A phrase as it is written, and without the accents that people leave out."""
+    """Tokens of a phrase as it is written, and without the accents that people leave out."""
     return _tokens(phrase, spaced), _split(key(phrase), spaced)
 
 
 @lru_cache(maxsize=16)
 def _clause_tokens(text: str, spaced: bool) -> tuple[tuple[str, ...], ...]:
-    """The words of each clause that has any; one text is looked at in several ways."""
+    """The words of each clause that has any. Cached: a text is read several times."""
     clauses = (_tokens(part, spaced) for part in _CLAUSE_END.split(text))
     return tuple(tokens for tokens in clauses if tokens)
 
 
 def _tokens(text: str, spaced: bool) -> tuple[str, ...]:
-    """The words of a text, with the accents that it has: they may tell a yes from a no."""
+    """The words of a text with their accents, which may tell a yes from a no."""
     return _split(unpunctuated(separated(one_form(text)).casefold()), spaced)
 
 
@@ -160,9 +162,9 @@ def _split(text: str, spaced: bool) -> tuple[str, ...]:
 
 
 def _parts(tokens: Sequence[str], phrases: _Phrases) -> _Clause:
-    """The phrases that the tokens are, one after another, long ones first; nothing if they are not.
+    """Split tokens into known phrases, long ones first; empty if that is not possible.
 
-    Works from the end: `rest[i]` is what the tokens from `i` on are.
+    Works from the end: `rest[i]` holds the phrases of the tokens from `i` on.
     """
     rest: list[_Clause | None] = [None] * len(tokens) + [()]
     for start in reversed(range(len(tokens))):
@@ -179,14 +181,14 @@ def _values(clause: _Clause) -> list[_Value]:
 
 
 def _says_no(clause: _Clause) -> bool:
-    """Whether it is a no to what was before, and not to what it says itself."""
+    """True if the clause says no to an earlier sentence, not to its own words."""
     plain = [part for part in clause if part is not _AnswerPart.POLITE]
     alone = set(plain) <= {Answer.NO, _AnswerPart.NOT}
     return bool(plain) and (alone or plain[0] is Answer.NO)
 
 
 def _negated(clause: _Clause) -> set[str]:
-    """The values that it says are not meant: before a negation, or after it if none is before."""
+    """The values that the clause denies: before a negation, or after it if none is before."""
     plain = [part for part in clause if part is not _AnswerPart.POLITE]
     found = set()
     for at, part in enumerate(plain):
@@ -197,14 +199,14 @@ def _negated(clause: _Clause) -> set[str]:
 
 
 _IT = "it"
-"""Stands for what was spoken of last, so it corrects nothing."""
+"""Pronoun for the thing spoken of last; it names no value, so it corrects nothing."""
 
 
 def correct(call: Call, one: Skill, text: str, answers: Answers, book: Phrasebook) -> Call | None:
-    """The call that is meant instead; None unless the words say so and leave no doubt.
+    """The corrected call; None unless the text is a correction without doubt.
 
-    Words are those that the skill's templates know for the argument in this language; numbers
-    replace all of the call's, so there must be as many.
+    A word counts if the skill's templates know it for the argument in this language. Numbers
+    replace all numbers of the call, so there must be as many.
     """
     if not answers.may_correct(text) or not is_exact(text, book.code):
         return None
@@ -224,7 +226,7 @@ def correct(call: Call, one: Skill, text: str, answers: Answers, book: Phraseboo
 def _words(
     call: Call, one: Skill, text: str, answers: Answers, book: Phrasebook
 ) -> list[Mapping[str, Any]]:
-    """Each argument that could be meant, with its value."""
+    """Each argument that the text could correct, with its new value."""
     found: list[Mapping[str, Any]] = []
     for name, choices in one.choices.items():
         spoken = {said: word for said, word in book.heard(choices).items() if word != _IT}

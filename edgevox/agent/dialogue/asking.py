@@ -1,10 +1,8 @@
-"""Does what words mean, or asks back first, and understands what is answered.
+"""The step from a meaning to its execution, with a question before it if needed.
 
-What is neither sure nor refused is asked about. Which it is follows from how sure the meaning is,
-from the setting `confirm`, and from whether somebody demands it. The answer, or a correction ("no,
-the bedroom"), is understood before anything else is thought about.
-
-Does what words mean: runs the calls of a meaning now, or keeps its program.
+`Performer` runs the calls of a meaning now, or keeps its program. `Asking` decides whether to ask
+first: by the confidence of the meaning, the setting `confirm`, and the demands of the policy and
+the skills. It reads an answer or a correction ("no, the bedroom") before any other understanding.
 """
 
 from collections.abc import Sequence
@@ -31,18 +29,21 @@ from edgevox.core.settings import Confirm
 
 @dataclass(frozen=True, slots=True)
 class Prepared:
-    """A meaning that was checked and may be done, with the goals of its calls.
-
-    `confirmed`: somebody has said yes to it.
-    """
+    """A meaning that was checked and may be done."""
 
     meaning: Meaning
+    """The meaning."""
     goals: Sequence[Goal]
+    """The goals of its calls; empty for a program."""
     confirmed: bool
+    """True if a person said yes to it."""
 
 
 class Performer:
-    """Used from the conversation's thread. `last` is the drive that may be corrected."""
+    """Checks and performs meanings, on the conversation's thread.
+
+    `last` is the drive that a correction changes.
+    """
 
     def __init__(
         self,
@@ -64,9 +65,9 @@ class Performer:
         )
 
     def prepare(self, meaning: Meaning, turn: Turn, *, confirmed: bool = False) -> Prepared | None:
-        """What may be done; None if it is wrong or forbidden, which is said.
+        """Check a meaning; if it is wrong or forbidden, say so and return None.
 
-        Raises `NeedsConfirmation` if the policy wants a yes and nobody has `confirmed` it.
+        Raises `NeedsConfirmation` if the policy wants a yes and the meaning is not `confirmed`.
         """
         if meaning.program:
             kept = self._programs.may_keep(meaning.program, turn, confirmed=confirmed)
@@ -80,21 +81,21 @@ class Performer:
         return Prepared(asked, goals, confirmed)
 
     def answer(self, text: str, turn: Turn) -> bool:
-        """Answer what is asked of the programs that are kept; False if nothing is."""
+        """Answer a question about the kept programs; False if the text is none."""
         return self._questions.answer(text, turn)
 
     def drives(self, prepared: Prepared) -> bool:
-        """Whether it sets the body in motion, now or later."""
+        """True if it sets the body in motion, now or later."""
         program = prepared.meaning.program
         return self._programs.drives(program) if program else bool(_driving(prepared))
 
     def lasts(self, prepared: Prepared) -> bool:
-        """Whether what it changes stays when it is over, as a place that is forgotten does."""
+        """True if it changes something for good, for example forgets a place."""
         skills = prepared.meaning.agent.every_skill
         return any(skills[call.skill].lasting for call in prepared.meaning.every_call)
 
     def question(self, prepared: Prepared) -> str:
-        """Asks whether it shall be done."""
+        """The question whether to do it."""
         phrases, program = self._interpreter.phrases, prepared.meaning.program
         if program:
             return phrases.say("do_this", told=self._programs.in_words(program))
@@ -102,7 +103,7 @@ class Performer:
         return phrases.question([(goal.skill, goal.arguments) for goal in asked])
 
     def perform(self, prepared: Prepared, turn: Turn) -> None:
-        """Do it, or say why it may not be done."""
+        """Do it, or say why not."""
         if prepared.meaning.program:
             self._keep(prepared, turn)
         else:
@@ -120,7 +121,7 @@ class Performer:
             call = Call(driving[0].skill.name, driving[0].arguments)
             self.last.begin(DriveCall(prepared.meaning.agent, call, turn.number))
         elif driving:
-            self.last.forget()  # of several nobody knows which one was wrong
+            self.last.forget()  # a correction would not tell which of several it means
         if not self._executor.run(prepared.goals, turn, prepared.meaning.source):
             self.last.forget()
 
@@ -130,21 +131,22 @@ def _driving(prepared: Prepared) -> Sequence[Goal]:
 
 
 def _is_asked_about(one: Skill) -> bool:
-    """Whether a question names it, beside what only tells something."""
+    """True if a question must name the skill; skills that only tell something are left out."""
     return one.drives or one.lasting or one.confirm
 
 
 YES_FROM = 0.6
-"""A spoken yes that is less sure to have been said is asked about again. Of 58 by voices that tune,
-in quiet and in noise, 55 were surer: nothing moves for a yes that was rather guessed."""
+"""Recognition confidence below which the robot asks again after a spoken yes, so that no guessed
+yes moves it. Of 58 yeses by the tuning voices, in quiet and in noise, 55 were surer."""
 
 
 class Asking:
-    """Used from the conversation's thread; `question` is shared with whoever stops.
+    """Does what words mean, or asks first. Used from the conversation's thread.
 
-    `confirm` may be set from any thread. A question asks only of what drives, and of what lasts
-    where that was not plainly said: whatever tells something is done at once, and so is a stop. A
-    program is asked about before it is kept, as its calls would be.
+    `question` is shared with `Stopping`; `confirm` may be set from any thread. A question is asked
+    only before a drive, and before a lasting change that was not plainly said. A skill that tells
+    something runs at once, and so does a stop. A program gets its question before it is kept, as
+    its calls would.
     """
 
     def __init__(
@@ -165,17 +167,17 @@ class Asking:
         self._answers = _answers(interpreter.phrases)
 
     def set_language(self) -> None:
-        """Answers are in the interpreter's language from now on."""
+        """Read answers in the interpreter's language from now on."""
         self._answers = _answers(self._interpreter.phrases)
 
     def forget(self) -> None:
-        """Nothing is left to correct."""
+        """Forget the last drive, so that nothing is left to correct."""
         self._last.forget()
 
     def attend(self, text: str, turn: Turn, said_s: float) -> Meaning | None:
-        """Do what these words ask for, or ask back; what they mean, None if they were answered.
+        """Do what these words ask for, or ask first; return what was done, or None.
 
-        `said_s` is when they were said: what was said before a question is no answer to it.
+        `said_s` is the time when the words ended: words from before a question do not answer it.
         """
         self.question.expire()
         answer = self._answers.read(text)
@@ -197,9 +199,9 @@ class Asking:
         return meaning if self.act(meaning, turn) else None
 
     def act(self, meaning: Meaning, turn: Turn) -> bool:
-        """Do what is meant, or ask first; what the policy wants a yes for is always asked.
+        """Do what is meant, or ask first; always ask if the policy wants a yes.
 
-        False if it was left for an answer, or for plainer words.
+        Returns False if the robot asked, or wants plainer words.
         """
         try:
             prepared = self._performer.prepare(meaning, turn)
@@ -228,7 +230,7 @@ class Asking:
         self._put(Question(prepared.meaning, text, turn.number), turn)
 
     def _ask_again(self, turn: Turn) -> None:
-        """The same question: the yes was hardly heard."""
+        """Ask the same question again, because the yes was hardly heard."""
         if asked := self.question.asked:
             self._dialogue_skills.confirmed(turn.number, asked.turn)
             self._put(replace(asked, turn=turn.number), turn)
@@ -238,7 +240,10 @@ class Asking:
             turn.say(question.text, Outcome.ASKED)
 
     def _counts(self, answer: Answer, text: str) -> bool:
-        """Not where it is a command and no question waits: a robot that walks may "go ahead"."""
+        """True if the words are an answer: a question waits, or they are no plain command.
+
+        "Go ahead" is both a yes and a command to a walking robot.
+        """
         waits = self.question.awaits if answer is Answer.YES else bool(self.question.asked)
         return waits or not self._is_plain(text)
 
@@ -246,7 +251,7 @@ class Asking:
         return isinstance(self._interpreter.plain(text), Meaning)
 
     def _answered(self, answer: Answer, turn: Turn, said_s: float) -> Meaning | None:
-        """What is done now, if that is what was asked."""
+        """Act on an answer; return the meaning that a yes carries out, or None."""
         if answer is Answer.NO:
             asked = self.question.end(ConfirmationStatus.DECLINED)
             turn.say(self._interpreter.phrases.say("left_undone" if asked else "what_instead"))
@@ -258,7 +263,7 @@ class Asking:
             self._ask_again(turn)
             return None
         question = self.question.end(ConfirmationStatus.CONFIRMED)
-        if question is None:  # a stop was quicker
+        if question is None:  # a stop has cancelled it meanwhile
             return None
         meaning = question.meaning
         self._dialogue_skills.confirmed(turn.number, question.turn)
@@ -267,7 +272,7 @@ class Asking:
         return meaning
 
     def _corrected(self, text: str) -> Meaning | None:
-        """What is meant instead of what was asked about, or else of what was begun."""
+        """The correction of the open question or of the last drive, or None."""
         asked, drive = self.question.asked, self._last.corrigible
         if asked:
             agent, calls = asked.meaning.agent, asked.meaning.calls
@@ -288,10 +293,10 @@ class Asking:
         return Meaning(agent, tuple(right if c is wrong else c for c in calls), "template")
 
     def _unanswered(self, text: str) -> str:
-        """What is left to understand: all of it, or what follows the no of "no, go to the office".
+        """The words left to understand: all, or those after the no of "no, go to the office".
 
-        Nothing, if a no is followed by words that are no plain command: a question is declined, and
-        nobody guesses.
+        Empty if the question is declined by a no whose following words are no plain command: the
+        robot does not guess then.
         """
         asked = self.question.asked
         rest = self._answers.after_no(text) if asked or self._last.corrigible else ""

@@ -1,6 +1,7 @@
-"""What was heard, who understood it, what was called and how it ended: the last exchanges only.
+"""The memory of the dialogue: the last exchanges, motions, and the drive to correct.
 
-The last drive that somebody asked for in words: what "no, the bedroom" corrects.
+`Dialogue` holds what was heard, understood, called and reached; `LastDrive` holds the drive that
+"no, the bedroom" corrects.
 """
 
 import math
@@ -28,20 +29,26 @@ from edgevox.core.files.json_reader import is_number
 from edgevox.core.transforms import Pose2D
 
 CORRECTED_S = 20.0
-"""A drive can be corrected while it runs and for so long after its end."""
+"""Seconds after its end for which a drive can still be corrected."""
 
 
 @dataclass(frozen=True, slots=True)
 class DriveCall:
-    """A call that set the body in motion, in which turn, and whose skill it is."""
+    """A call that set the body in motion."""
 
     agent: Agent
+    """The agent whose skill was called."""
     call: Call
+    """The call."""
     turn: int
+    """Number of the turn that called."""
 
 
 class LastDrive:
-    """Remembers it. Begun and looked at from one thread; how it ends comes from any."""
+    """Remembers the last drive that words asked for.
+
+    One thread sets and reads it; the bus reports its end on any thread.
+    """
 
     def __init__(self, bus: Bus, clock: Clock) -> None:
         self._clock = clock
@@ -52,7 +59,7 @@ class LastDrive:
 
     @property
     def corrigible(self) -> DriveCall | None:
-        """The drive, if somebody may still correct it."""
+        """The drive, if it may still be corrected."""
         drive = self._drive
         if drive is None:
             return None
@@ -61,11 +68,11 @@ class LastDrive:
         return None if late else drive
 
     def begin(self, drive: DriveCall) -> None:
-        """Remember this one instead; before it begins, so that no end is missed."""
+        """Remember this drive; call this before it begins, so that its end is not missed."""
         self._drive, self._ends_s = drive, {}
 
     def forget(self) -> None:
-        """There is none to correct."""
+        """Forget the drive."""
         self._drive = None
 
     def _on_goal(self, event: GoalChanged | GoalCancelled) -> None:
@@ -76,69 +83,82 @@ class LastDrive:
 
 
 MOST_EXCHANGES = 8
-"""So many exchanges are remembered, and as many motions."""
+"""Number of exchanges and number of motions that are remembered."""
 REMEMBERED_S = 600.0
-"""What is older is forgotten: nobody asks of it, and nobody drives back to where it began."""
+"""Seconds for which exchanges and motions are remembered: later, nobody asks about them or wants
+to go back to where they began."""
 _ELSEWHERE_M = 0.15
-"""Nearer to where it stands a body has not come from: a drive ends so near to its goal."""
+"""Least distance in metres for another position: a drive ends this near to its goal."""
 REPEATABLE_S = 60.0
-"""So long after it ended something can be meant by "again": who says it then is another person."""
+"""Seconds after its end for which "again" can mean an action: later, another person may speak."""
 
 PROGRAM = "program"
-"""Who calls the steps of a program."""
+"""The `source` of calls that are steps of a program."""
 
 _HUSHED = (Cause.BARGE_IN, Cause.WAKE_WORD)
-"""These cut what is said, and stop nothing."""
+"""Causes that only cut the speech and stop nothing."""
 
 
 @dataclass(slots=True)
 class DialogueExchange:
-    """What somebody said, or a command asked; `source` is who understood it, if anybody did.
-
-    `meant` are the words that it said yes to. What was kept for later is its `program`; what that
-    calls is not in `calls`.
-
-    `about_dialogue` is a question about the conversation: it is not what the next question asks
-    about.
-    """
+    """One utterance or command, and its effects."""
 
     turn: int
+    """Number of the turn; 0 for none."""
     words: str
+    """The words; empty for a command."""
     last_s: float
+    """The clock's time of the last event that belongs to it."""
     meant: str = ""
+    """For a yes: the words that it said yes to."""
     source: str = ""
+    """The stage that understood the words; empty if none did."""
     confidence: float = 1.0
+    """Confidence of that stage, from 0 to 1."""
     calls: list[Call] = field(default_factory=list)
+    """The calls that were made at once."""
     program: Program | None = None
+    """The program that was kept for later; its calls are not in `calls`."""
     about_dialogue: bool = False
+    """True for a question about the conversation, which the next such question leaves out."""
     stopped: bool = False
+    """True if it was stopped, or stopped others."""
 
     @property
     def acted(self) -> bool:
-        """Whether words led to something."""
+        """True if words led to a call or a program."""
         return bool(self.words and (self.calls or self.program))
 
 
 @dataclass(slots=True)
 class MotionRecord:
-    """A goal that sets the body in motion, once it `began`; `start` is where, if the body knows."""
+    """A goal that sets the body in motion."""
 
     goal_id: str
+    """The goal's id."""
     skill: str
+    """The name of its skill."""
     arguments: Mapping[str, Any]
+    """The skill's arguments."""
     turn: int
+    """Number of the turn that asked for it; 0 for none."""
     last_s: float
+    """The clock's time of the goal's last event."""
     status: GoalStatus
+    """The goal's last status."""
     began: bool = False
+    """True once the goal ran."""
     start: Pose2D | None = None
+    """The body's pose when the goal began; None if the body does not know it."""
     progress: float | None = None
+    """The last reported progress, from 0 to 1."""
 
 
 class Dialogue:
-    """Listens on the bus, and can be asked from any thread. All it holds is bounded.
+    """Remembers what the bus reports. Any thread may ask; the memory is bounded.
 
-    `skills` are all that there are, `pose` is the body's, and calls of `dialogue_skills` are not
-    kept: they ask about the others.
+    `skills` are all skills of the robot, and `pose` returns the body's pose. Calls of
+    `dialogue_skills` are not remembered, because they only ask about other calls.
     """
 
     def __init__(
@@ -164,13 +184,13 @@ class Dialogue:
         bus.subscribe(Interrupted, self._on_interrupt)
 
     def decided(self, turn: int, source: str, confidence: float, *, about_dialogue: bool) -> None:
-        """Who understood the words of this turn, and how sure."""
+        """Record the stage that understood the words of this turn, and its confidence."""
         with self._lock:
             one = self._of(turn)
             one.source, one.confidence, one.about_dialogue = source, confidence, about_dialogue
 
     def confirmed(self, turn: int, asked: int) -> None:
-        """The words of this turn are a yes: what is done in it was said in the one that `asked`."""
+        """Record that this turn said yes to the words of the turn `asked`."""
         with self._lock:
             said = next((one for one in self._exchanges if one.turn == asked), None)
             if said:
@@ -179,40 +199,43 @@ class Dialogue:
                 yes.source, yes.confidence = said.source, said.confidence
 
     def kept(self, turn: int, program: Program) -> None:
-        """The words of this turn are a program, which is kept."""
+        """Record the program that this turn asked for."""
         with self._lock:
             self._of(turn).program = program
 
     def heard(self) -> DialogueExchange | None:
-        """What was said last, unless that asks about it."""
+        """The last exchange with words, without questions about the conversation."""
         return self._last(lambda one: bool(one.words) and not one.about_dialogue)
 
     def asked(
         self, fits: Callable[[DialogueExchange], bool] = lambda _: True
     ) -> DialogueExchange | None:
-        """What was last asked for in words, and called or kept, of what `fits`."""
+        """The last exchange whose words led to a call or a program and that `fits`."""
         return self._last(lambda one: one.acted and not one.about_dialogue and fits(one))
 
     def repeatable(self, exchange: DialogueExchange) -> bool:
-        """Whether it is not too long ago that this ended."""
+        """True if the exchange ended recently enough to repeat it."""
         return self._clock.now() - exchange.last_s <= REPEATABLE_S
 
     def exchange(self, turn: int) -> DialogueExchange | None:
-        """What was said in this turn; None for that of no turn."""
+        """The exchange of this turn, or None."""
         return self._last(lambda one: turn > 0 and one.turn == turn)
 
     def running(self) -> MotionRecord | None:
-        """What uses the body now."""
+        """The motion that runs now, or None."""
         with self._lock:
             live = [one for one in self._motions if one.status is GoalStatus.RUNNING]
             return live[-1] if live else None
 
     def moved(self) -> MotionRecord | None:
-        """What used the body last, or uses it."""
+        """The last motion, running or ended, or None."""
         return next(iter(self._ran()), None)
 
     def came_from(self) -> Pose2D | None:
-        """Where the last motion began; if it came to its end, the last that began elsewhere."""
+        """The pose where the last motion began, or None.
+
+        If that motion reached its goal: the start of the last motion that began elsewhere.
+        """
         ran, here = self._ran(), self._where()
         if not ran or here is None or ran[0].status is not GoalStatus.SUCCEEDED:
             return ran[0].start if ran else None
@@ -220,7 +243,7 @@ class Dialogue:
         return next((one for one in starts if _distance_m(one, here) > _ELSEWHERE_M), None)
 
     def _ran(self) -> list[MotionRecord]:
-        """What used the body not too long ago, the last first."""
+        """The recent motions that ran, the last first."""
         begun_s = self._clock.now() - REMEMBERED_S
         with self._lock:
             ran = [one for one in self._motions if one.began and one.last_s >= begun_s]
@@ -268,7 +291,7 @@ class Dialogue:
                 motion.progress = _part(event.feedback.get("progress"))
 
     def _where(self) -> Pose2D | None:
-        """Where the body is, if it knows."""
+        """The body's pose; None if it does not know it."""
         try:
             return self._pose() if self._pose else None
         except SkillFailed:
@@ -309,5 +332,5 @@ def _distance_m(one: Pose2D, other: Pose2D) -> float:
 
 
 def _part(progress: Any) -> float | None:
-    """How far something is, as a skill reported it: it may be anything."""
+    """The progress from 0 to 1 that a skill reported; None for any other value."""
     return float(progress) if is_number(progress) and 0 <= progress <= 1 else None

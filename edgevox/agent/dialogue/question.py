@@ -1,4 +1,4 @@
-"""The question that stands: "Shall I go to the kitchen?", from its asking to its one end."""
+"""The open question, such as "Shall I go to the kitchen?", from its asking to its one end."""
 
 import threading
 from dataclasses import dataclass
@@ -10,25 +10,28 @@ from edgevox.core.bus import Bus
 from edgevox.core.clock import Clock
 
 EXPIRES_S = 20.0
-"""How long a question stands after it was said to its end."""
+"""Seconds that a question stays open after it was said to its end."""
 
 _LAPSES = (ConfirmationStatus.EXPIRED, ConfirmationStatus.CANCELLED)
 
 
 @dataclass(frozen=True, slots=True)
 class Question:
-    """What is asked in which turn, and what is done if the answer is yes."""
+    """A yes-or-no question."""
 
     meaning: Meaning
+    """The meaning that a yes carries out."""
     text: str
+    """The question as it is said."""
     turn: int
+    """Number of the turn that asks."""
 
 
 class OpenQuestion:
-    """Holds the one question that stands, and tells on the bus what becomes of it.
+    """Holds the one open question and publishes its changes.
 
-    It is asked and answered on one thread; `cancel` may be called from any. A question of a turn
-    that was cancelled cannot be asked any more, so that nothing said after a stop answers it.
+    One thread asks and answers it; `cancel` may be called from any. A cancelled turn cannot ask any
+    more, so that words after a stop never answer its question.
     """
 
     def __init__(self, bus: Bus, clock: Clock) -> None:
@@ -43,25 +46,25 @@ class OpenQuestion:
 
     @property
     def asked(self) -> Question | None:
-        """The one that stands."""
+        """The open question, or None."""
         return self._question
 
     @property
     def awaits(self) -> bool:
-        """Whether a yes could only be meant for a question, though maybe one that stands no more.
+        """True if a yes can only mean a question, open or lapsed.
 
-        So it is until something else is said after a question that expired or was cancelled.
+        A question that expired or was cancelled counts as lapsed until other words follow.
         """
         return self._question is not None or self._lapsed
 
     @property
     def expires_in_s(self) -> float | None:
-        """How long it still stands; None if there is none, or it is not said to its end."""
+        """Seconds until the question expires; None without one, and before it was fully said."""
         at_s = self._expires_at_s
         return None if at_s is None else max(0.0, at_s - self._clock.now())
 
     def ask(self, question: Question) -> bool:
-        """Let it stand instead of any other; False if its turn was cancelled meanwhile."""
+        """Open this question in place of any other; False if its turn was cancelled."""
         self.end(ConfirmationStatus.REPLACED)
         with self._lock:
             if question.turn <= self._cancelled_turn:
@@ -71,9 +74,9 @@ class OpenQuestion:
         return True
 
     def said(self, turn: Turn) -> None:
-        """The turn is over; if it asked, its question expires from now on.
+        """Tell that a turn is over; if it asked, its question's time runs from now on.
 
-        One that nobody could notice, since it was cut before, is not asked.
+        A question that was cut before a person could notice it is cancelled.
         """
         with self._lock:
             asked = self._question is not None and self._question.turn == turn.number
@@ -84,7 +87,7 @@ class OpenQuestion:
             self.end(ConfirmationStatus.CANCELLED)
 
     def is_answered_at(self, said_s: float) -> bool:
-        """Whether what was said at this time can answer it: after it began, and not too late."""
+        """True if words said at this time can answer: the question had begun and is still open."""
         with self._lock:
             begun_s, at_s = self._begun_s, self._expires_at_s
             if begun_s is None or at_s is None:
@@ -92,12 +95,12 @@ class OpenQuestion:
             return begun_s <= said_s and self._clock.now() < at_s
 
     def expire(self) -> None:
-        """End it if its time is over."""
+        """End the question if its time is over."""
         if self.expires_in_s == 0.0:
             self.end(ConfirmationStatus.EXPIRED)
 
     def end(self, status: ConfirmationStatus) -> Question | None:
-        """It is over; the one that was, for whoever ended it: only one does."""
+        """End the question and return it; None if another thread has ended it."""
         with self._lock:
             question = self._take()
             self._lapsed = question is not None and status in _LAPSES
@@ -106,9 +109,9 @@ class OpenQuestion:
         return question
 
     def cancel(self, turn: int) -> Question | None:
-        """It is over, and this turn and those before ask nothing. Told by `tell_cancelled`.
+        """Cancel the question; this turn and those before it can ask nothing more.
 
-        Publishes nothing, so that it can be called where nothing may block.
+        Publishes nothing, so that it never blocks: pass the result to `tell_cancelled`.
         """
         with self._lock:
             self._cancelled_turn = max(self._cancelled_turn, turn)
@@ -116,7 +119,7 @@ class OpenQuestion:
             return self._take()
 
     def tell_cancelled(self, question: Question | None) -> None:
-        """Say of one that was cancelled that it is."""
+        """Publish that this question was cancelled."""
         if question:
             self._tell(question, ConfirmationStatus.CANCELLED)
 

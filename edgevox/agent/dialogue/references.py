@@ -1,7 +1,7 @@
-"""What "again", "go back", "further" and "the other one" mean: calls, by what was done last.
+"""References: "again", "go back", "further" and "the other one" turn into calls.
 
-Restraint first: what was stopped, is too long ago or could mean two things is not done, and the
-person hears what to say instead.
+The calls follow from the last actions. A reference to something that was stopped, is too long ago
+or could mean two things is not carried out; the person is told what to say instead.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -17,21 +17,21 @@ _CENTIMETRES = 2
 
 
 class References:
-    """Finds calls in a dialogue. Each method raises `SkillFailed` with what is missing."""
+    """Finds calls in a dialogue. Each method raises `SkillFailed` with the missing piece."""
 
     def __init__(self, dialogue: Dialogue, skills: Mapping[str, Skill]) -> None:
         self._dialogue = dialogue
         self._skills = skills
 
     def again(self) -> Sequence[Call]:
-        """What was last asked for in words."""
+        """The calls that words last asked for."""
         asked = self._repeatable(self._dialogue.asked())
-        if asked.program:  # what was said of its time and number is to be said again
+        if asked.program:  # its time and number must be said again
             raise SkillFailed(because("nothing_before"))
         return tuple(asked.calls)
 
     def last_motion(self) -> Program:
-        """What "three times" is about: what was last asked for that moves, done once."""
+        """The last motion that words asked for, done once: "three times" repeats it."""
         asked = self._repeatable(self._dialogue.asked(self._moved))
         if asked.program is None:
             return Do(tuple(asked.calls))
@@ -54,14 +54,14 @@ class References:
         return asked
 
     def further(self) -> Sequence[Call]:
-        """The same motion once more, where it is one by so much and not to somewhere."""
+        """The last motion once more, if it goes by an amount and not to a place."""
         calls = [call for call in self.again() if self._skills[call.skill].drives]
         if not calls or not self._skills[calls[-1].skill].relative:
             raise SkillFailed(no_further(self._skills.values()))
         return calls[-1:]
 
     def back(self) -> Sequence[Call]:
-        """To where the body was when its last motion began, unless it is there."""
+        """A drive to the pose where the last motion began, unless the body is there."""
         if TO_POINT not in self._skills:
             raise SkillFailed(no_way_back(self._skills.values()))
         start = self._dialogue.came_from()
@@ -71,7 +71,7 @@ class References:
         return (Call(TO_POINT, {"x": x, "y": y}),)
 
     def other(self) -> Sequence[Call]:
-        """The same with the other word, where there is one choice, and between two words only."""
+        """The last calls with the other word, if there is one choice between just two words."""
         calls = self.again()
         chosen = {old for call in calls for _, old, _ in self._chosen(call)}
         if not chosen:
@@ -90,7 +90,7 @@ class References:
         return _exchanged(calls, chosen.pop(), others[0])
 
     def also(self, value: str) -> Sequence[Call]:
-        """The same with this word, where it can stand for one word only."""
+        """The last calls with this word, if it can replace only one word."""
         calls = self.again()
         for part in (calls, calls[-1:]):
             fits = {
@@ -104,13 +104,13 @@ class References:
         raise SkillFailed(because("does_not_go", value=value.replace("_", " ")))
 
     def _chosen(self, call: Call) -> Iterator[tuple[str, str, OneOf]]:
-        """The arguments of this call that are one of some words, with the word."""
+        """The arguments of this call that hold one of some words: name, word and choices."""
         for name, choices in self._skills[call.skill].choices.items():
             if call.arguments.get(name) in choices.words:
                 yield name, call.arguments[name], choices
 
     def _alike(self, skill: str, one: str, other: str) -> bool:
-        """Whether two words can stand in the same arguments: a cube for a cube, a bin for a bin."""
+        """True if two words fit the same arguments: a cube for a cube, a bin for a bin."""
         choices = self._skills[skill].choices.values()
         return all((one in known.words) == (other in known.words) for known in choices)
 

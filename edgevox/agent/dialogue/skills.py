@@ -1,10 +1,8 @@
-"""Questions and references as skills of the agent itself: plain sentences in every language.
+"""Dialogue skills: questions and references as plain sentences in every language.
 
-They move nothing, stop nothing and are no part of what a model may call or is told. A question is
-answered from what happened; a reference stands for the calls that `DialogueSkills.meant` puts in
-its place.
-
-Answers to questions about the conversation: short, and made of what really happened.
+These skills move nothing and stop nothing, and a language model neither knows nor calls them. A
+question gets a short answer from the memory of the dialogue; a reference is replaced by the calls
+that `DialogueSkills.meant` finds for it.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -36,13 +34,13 @@ from edgevox.core.events import Outcome
 from edgevox.core.transforms import Pose2D
 
 MOST_QUOTED = 120
-"""So many characters of what somebody said are said back."""
+"""Number of characters of a person's words that an answer quotes."""
 _PLAIN = "template"
-"""Who understands what is a plain command."""
+"""The `source` of a plain command."""
 
 
 class DialogueAnswers:
-    """Speaks the language of `phrases`. May be asked from any thread."""
+    """Answers questions about the conversation, in the language of `phrases`, on any thread."""
 
     def __init__(
         self,
@@ -55,7 +53,7 @@ class DialogueAnswers:
         self._phrases = phrases
 
     def doing(self) -> str:
-        """What uses the body now, and how far that is."""
+        """A sentence about the running motion and its progress."""
         book, running = self._phrases(), self._dialogue.running()
         if running is None:
             return book.say("idle")
@@ -67,12 +65,12 @@ class DialogueAnswers:
         return book.say("doing", action=action, percent=round(100 * running.progress))
 
     def why(self) -> str:
-        """Which words made the body move last, who understood them, and how sure that was."""
+        """A sentence about the words behind the last motion and how they were understood."""
         book, moved = self._phrases(), self._dialogue.moved()
         if moved is None:
             return book.say("nothing_done")
         asked = self._dialogue.exchange(moved.turn)
-        if asked is None and moved.turn:  # too much was said since
+        if asked is None and moved.turn:  # the exchange is forgotten
             return book.say("nothing_done")
         if asked is None or not asked.words:
             return book.say("why_program")
@@ -82,12 +80,12 @@ class DialogueAnswers:
         return book.say("why_read", words=words, percent=round(100 * asked.confidence))
 
     def heard(self) -> str:
-        """What was heard last, before this."""
+        """A sentence with the words that were heard last, before this question."""
         book, heard = self._phrases(), self._dialogue.heard()
         return book.say("heard", words=_quoted(heard.words)) if heard else book.say("not_heard")
 
     def can(self) -> tuple[str, str]:
-        """What this robot can do: a few things of it, and all where that is more."""
+        """A sentence with a few abilities, and a text with all of them if there are more."""
         book = self._phrases()
         if not self._skills:
             return book.say("no_abilities"), ""
@@ -104,13 +102,13 @@ QUESTIONS = ("what_are_you_doing", "why_did_you", "what_did_you_hear", CAN)
 REFERENCES = ("again", "go_back", "further", "the_other")
 ALSO = "this_one_too"
 DIALOGUE_SKILLS = (*QUESTIONS, *REFERENCES, ALSO)
-"""All of them, by name."""
+"""Names of all dialogue skills."""
 
 
 class DialogueSkills:
-    """Remembers what happens on the bus and answers for it, in the language of `phrases`.
+    """Gives each agent the dialogue skills and resolves references.
 
-    `agents` are those that were given, each with these skills beside its own.
+    The attribute `agents` holds the given agents, each with these skills beside its own.
     """
 
     def __init__(
@@ -133,9 +131,10 @@ class DialogueSkills:
         )
 
     def meant(self, meaning: Meaning | None, turn: Turn) -> Meaning | None:
-        """The same with calls in the place of references; None where one refers to nothing.
+        """The meaning with calls in place of its references.
 
-        Then it has been said what would have been needed, and nothing else of it is done.
+        If a reference finds no call, the turn says what is missing, and the result is None: the
+        rest of the meaning is not done either.
         """
         if meaning is None:
             return None
@@ -159,7 +158,7 @@ class DialogueSkills:
         return replace(meaning, agent=self._owner(meaning.agent, calls), calls=calls)
 
     def _kept(self, meaning: Meaning, program: Program, turn: Turn) -> Meaning | None:
-        """A program, with what its references mean now: "do that three times"."""
+        """The meaning of a program with calls in place of references: "do that three times"."""
         self._dialogue.decided(
             turn.number, meaning.source, meaning.confidence, about_dialogue=False
         )
@@ -168,7 +167,7 @@ class DialogueSkills:
         except SkillFailed as error:
             self._refuse(error, turn)
             return None
-        if any(call.skill in DIALOGUE_SKILLS for call in calls_of(meant)):  # a question is for now
+        if any(call.skill in DIALOGUE_SKILLS for call in calls_of(meant)):  # no questions later
             turn.say(self._phrases().say("program_unclear"), Outcome.NOT_UNDERSTOOD)
             return None
         return replace(meaning, program=meant)
@@ -183,11 +182,11 @@ class DialogueSkills:
         turn.say(phrases.refusal(why), Outcome.REFUSED, detail=detail(phrases, why))
 
     def kept(self, turn: int, program: Program) -> None:
-        """What was said in this turn is a program, which is kept."""
+        """Record the program that this turn asked for."""
         self._dialogue.kept(turn, program)
 
     def confirmed(self, turn: int, asked: int) -> None:
-        """In this turn somebody said yes to what was understood in the turn that asked."""
+        """Record that this turn said yes to the words of the turn `asked`."""
         self._dialogue.confirmed(turn, asked)
 
     def _resolved(self, call: Call) -> Sequence[Call]:
@@ -205,12 +204,12 @@ class DialogueSkills:
         return (call,)
 
     def _owner(self, agent: Agent, calls: Sequence[Call]) -> Agent:
-        """Whoever can do all of it: this agent, or the one who did it before."""
+        """The agent that has all these skills: this one, or else the first that can."""
         able = (a for a in self.agents if all(call.skill in a.every_skill for call in calls))
         return agent if all(c.skill in agent.every_skill for c in calls) else next(able, agent)
 
     def _beside(self, skills: SkillSet) -> SkillSet:
-        """Those whose names this agent does not use itself."""
+        """The dialogue skills whose names this agent does not use itself."""
         dialogue_skills = [_question(name, self._answers) for name in QUESTIONS]
         dialogue_skills += [_reference(name) for name in REFERENCES]
         if any(one.choices for one in skills.values()):
@@ -257,7 +256,7 @@ def _also(choices: OneOf) -> Skill:
 
 
 def _every_choice(skills: SkillSet) -> OneOf:
-    """All the words that arguments of these skills may be, with those that are learned."""
+    """All words that arguments of these skills may be, learned ones included."""
     choices = [one for each in skills.values() for one in each.choices.values()]
     fixed = tuple(dict.fromkeys(word for one in choices for word in one.fixed))
     aliases = {said: word for one in choices for said, word in one.aliases.items()}

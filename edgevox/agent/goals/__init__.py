@@ -1,1 +1,1 @@
-"""Skills at work: goals, the lanes that they run in, and what executes them."""
+"""Skills at work: goals, the lanes in which they run, and the executor."""

@@ -1,6 +1,6 @@
-"""Executes calls of skills: checked, acknowledged, run as goals, and reported when they end.
+"""The executor of skill calls: checks, acknowledges, runs as goals, and reports their ends.
 
-Runs goals beside the conversation: what moves, what waits in order, and what is answered.
+`GoalRunner` runs the goals beside the conversation; `SkillExecutor` decides which may run.
 """
 
 import json
@@ -28,16 +28,19 @@ from edgevox.core.reason import NO_REASON, Reason
 from edgevox.core.ways import Way
 
 MAX_BACKGROUND = 64
-"""How many background goals may wait."""
+"""Number of background goals that may wait."""
 ANSWER_S = 30.0
-"""A skill that answers holds up what is said next, for so long at most."""
+"""Longest time in seconds for a skill that answers: the conversation waits for it."""
 
 
 class GoalRunner:
-    """Three lanes. What moves the body: the newest plan wins. Goals of programs that move nothing:
-    in their order, each beside whatever moves or is said. What a turn asks: while it waits.
+    """Runs goals in three lanes.
 
-    `on_end` is called for every goal that moved, after its end was published.
+    - Moving: goals that move the body; the newest plan replaces all others.
+    - Background: goals that move nothing and that no turn asked for, one after another.
+    - Answering: goals that a turn waits for.
+
+    `on_end` is called for every goal of the moving lane, after its end was published.
     """
 
     def __init__(self, on_end: Callable[[Goal], None]) -> None:
@@ -53,19 +56,19 @@ class GoalRunner:
             lane.start()
 
     def close(self) -> None:
-        """Cancel everything and wait for the threads."""
+        """Cancel all goals and wait for the threads."""
         for lane in self._lanes:
             lane.close()
         self._deadlines.close()
 
     @property
     def busy(self) -> bool:
-        """Whether any goal runs or waits."""
+        """True if any goal runs or waits."""
         return any(lane.busy for lane in self._lanes)
 
     @property
     def full(self) -> bool:
-        """Whether one more background goal would be dropped."""
+        """True if one more background goal would be dropped."""
         return self._background.waiting >= MAX_BACKGROUND
 
     @property
@@ -74,15 +77,15 @@ class GoalRunner:
         return self._moving.last
 
     def wait_idle(self, timeout_s: float | None = None) -> bool:
-        """Block until nothing runs or waits; False if something still did after the timeout."""
+        """Block until no goal runs or waits; False after the timeout."""
         return all(lane.wait_idle(timeout_s) for lane in self._lanes)
 
     def move(self, goals: Sequence[Goal]) -> None:
-        """Run these instead of whatever moves or waits to."""
+        """Run these goals in place of all that move or wait to move."""
         self._moving.replace(Plan(goals))
 
     def run_in_background(self, goal: Goal) -> None:
-        """Run this after those that wait, without pre-empting anything."""
+        """Run this goal after the waiting ones, without pre-empting any."""
         if self.full:
             goal.accept()
             goal.drop(because("goals_wait", skill=goal.skill.name, count=str(MAX_BACKGROUND)))
@@ -90,45 +93,41 @@ class GoalRunner:
             self._background.append(Plan((goal,)))
 
     def answer(self, goal: Goal) -> None:
-        """Run this and block until it has ended, within `ANSWER_S`."""
+        """Run this goal and block until it has ended, within `ANSWER_S`."""
         self._answering.append(Plan((goal,), ANSWER_S))
         goal.wait()
 
     def cancel_motion(self, reason: Reason | str) -> bool:
-        """End what moves or waits to; True if anything did. Does not wait for its end."""
+        """Cancel the moving lane without waiting for the ends; True if it had any goal."""
         return self._moving.cancel(reason)
 
     def cancel(self, reason: Reason | str) -> bool:
-        """End everything; True if anything ran or waited. Does not wait for its end."""
+        """Cancel all lanes without waiting for the ends; True if any had a goal."""
         ended = [lane.cancel(reason) for lane in self._lanes]
         return any(ended)
 
 
 MAX_CALLS = 8
-"""How many calls one utterance may hold."""
+"""Number of calls that one utterance may hold."""
 
 
 class Follower(Protocol):
-    """Hears what becomes of goals, on the thread on which it happens."""
+    """Gets told about goals, on the thread on which it happens."""
 
     def goal_ended(self, goal: Goal) -> None:
-        """One that moved has ended, and that was said."""
+        """Called after a moving goal has ended and its end was said."""
 
     def motion_forbidden(self, reason: Reason) -> Tell:
-        """Nothing may move from now on: let nothing begin to. What moves is about to be ended.
+        """Called when motion becomes forbidden: begin no new motion. Running motion ends next.
 
-        What this returns tells of it, and is called once all that moved was ended.
+        Returns a function that reports; it is called after all motion has ended.
         """
 
 
 class SkillExecutor:
-    """Runs calls: those that move beside the conversation, the others on the spot.
+    """Runs skill calls: moving skills beside the conversation, the others while the turn waits.
 
     `stop` and `perform` exclude each other, so no motion starts for a turn that was stopped.
-    `phrases` gives the language to speak at the moment. While the `interlock` is engaged no motion
-    starts, and what moved when it was engaged is cancelled, which is said. The `guard` is asked of
-    each call that is valid, whatever it would do. Who does `follow` hears of ends and of what may
-    not move any more; what `on_stop` is given does all that the skill `stop` stands for.
     """
 
     def __init__(
@@ -141,6 +140,16 @@ class SkillExecutor:
         interlock: Interlock | None = None,
         guard: Guard | None = None,
     ) -> None:
+        """Store the collaborators and listen to the interlock.
+
+        Args:
+            bus: Carries the events of calls and goals.
+            halt: Brakes the body and tells it why; returns whether it moved.
+            announce: Says a sentence that no turn asked for, and writes a detail beside it.
+            phrases: Returns the sentences of the current language.
+            interlock: Starts no motion and cancels the running one while it is engaged.
+            guard: Judges every valid call by the policy.
+        """
         self._bus = bus
         self._halt = halt
         self._announce = announce
@@ -154,11 +163,11 @@ class SkillExecutor:
         self._interlock.on_engage(self._stand)
 
     def follow(self, follower: Follower) -> None:
-        """Tell it from now on; to be called before the start."""
+        """Add a follower; call this before `start`."""
         self._followers = (*self._followers, follower)
 
     def on_stop(self, stop: Callable[[Turn | None], object]) -> None:
-        """Call it before the skill `stop` runs, with the turn if it was asked for in words."""
+        """Set the function that runs before the skill `stop`; it gets the turn, if words asked."""
         self._stop_everything = stop
 
     def start(self) -> None:
@@ -175,22 +184,22 @@ class SkillExecutor:
         return self._runner.wait_idle(timeout_s)
 
     def stop(self, reason: Reason | str, turn: Turn | None) -> bool:
-        """Cancel the turn, its goals, and all motion of the body. True if there was any of it."""
+        """Cancel the turn, all goals and all motion of the body; True if there was any."""
         try:
             with self._gate:
                 cut = turn is not None and turn.token.cancel(reason)
                 ran = self._runner.cancel(reason)
-        finally:  # whatever breaks, the body is halted
+        finally:  # halt the body even if the lines above raise
             moved = self._halt(str(reason))
         return cut or ran or moved
 
     def hush(self, reason: str, turn: Turn) -> bool:
-        """Cancel the turn, and leave what moves. True if it was not cancelled yet."""
+        """Cancel the turn but not the motion; True if the turn was not cancelled before."""
         with self._gate:
             return turn.token.cancel(reason)
 
     def withdraw(self, reason: Reason, turn: Turn) -> bool:
-        """Cancel the turn, and what moves for it; not what others began. True if it did."""
+        """Cancel the turn and the motion that it began, no other motion; True if there was any."""
         with self._gate:
             cut = turn.token.cancel(reason)
             moving = self._runner.moving
@@ -208,10 +217,10 @@ class SkillExecutor:
         mark: int | None = None,
         confirmed: bool = False,
     ) -> Mapping[str, Any]:
-        """The arguments, checked. Raises where `begin` would; the policy tells what it refuses.
+        """Check the call and return its checked arguments; raise what `begin` would raise.
 
-        `mark` is the interlock's when it was asked for, now by default. `confirmed`: somebody has
-        said yes to it, in this `turn`.
+        The guard reports what the policy refuses. `mark` is the interlock's mark when the call was
+        asked for, now by default. `confirmed` is True if a person said yes to the call.
         """
         skill = skills[call.skill]
         arguments = skill.validate(call.arguments)
@@ -224,15 +233,15 @@ class SkillExecutor:
         return arguments
 
     def begin(self, call: Call, skills: SkillSet, goal_id: str | None, way: Way, mark: int) -> Goal:
-        """Run one call without a turn, and so without a word said about it.
+        """Run one call without a turn, and so without saying anything about it.
 
-        One that moves pre-empts what moves; another waits for nothing but its like. `mark` is the
-        interlock's when it was asked for.
+        A call that moves pre-empts the running motion; any other call only waits for its lane.
+        `mark` is the interlock's mark when the call was asked for.
         """
         try:
             arguments = self.check(call, skills, way, mark=mark)
         except EdgeVoxError as error:
-            if not isinstance(error, Denied) or way is Way.ACTION:  # else the policy has told
+            if not isinstance(error, Denied) or way is Way.ACTION:  # else the guard reported
                 self._reject(call, reason_of(error), way)
             raise
         goal = self._goal(skills[call.skill], arguments, 0, way, goal_id=goal_id)
@@ -248,8 +257,9 @@ class SkillExecutor:
         return goal
 
     def launch(self, goal: Goal, may: Callable[[], bool]) -> bool:
-        """Run a goal that was prepared, as `begin` would; False if it `may` not, since it was
-        stopped meanwhile. Raises `SkillFailed` while motion is forbidden.
+        """Run a prepared goal, as `begin` would; False if `may` says no, after a stop.
+
+        Raises `SkillFailed` while motion is forbidden.
         """
         with self._gate:
             if not may():
@@ -272,7 +282,7 @@ class SkillExecutor:
         mark: int,
         confirmed: bool = False,
     ) -> Goal:
-        """A goal for a step of a program, checked now; who runs the program runs it."""
+        """Check a step of a program now and return its goal, for the program to run."""
         arguments = self.check(call, skills, way, turn, mark=mark, confirmed=confirmed)
         goal = self._goal(skills[call.skill], arguments, turn, way, confirmed=confirmed)
         self._tell(goal, "program")
@@ -287,7 +297,7 @@ class SkillExecutor:
     def perform(self, calls: Sequence[Call], skills: SkillSet, turn: Turn, source: str) -> None:
         """Check all calls, then acknowledge and run them in order; if one is wrong, none runs.
 
-        What the policy wants a yes for is refused: nobody is asked here.
+        A call that needs a yes by the policy is refused, because this method cannot ask.
         """
         try:
             goals = self.prepare(calls, skills, turn)
@@ -301,9 +311,10 @@ class SkillExecutor:
     def prepare(
         self, calls: Sequence[Call], skills: SkillSet, turn: Turn, *, confirmed: bool = False
     ) -> Sequence[Goal]:
-        """The checked calls, for `run`; none if one is wrong or forbidden, which is said.
+        """Check the calls and return their goals for `run`.
 
-        Raises `NeedsConfirmation` if the policy wants a yes and nobody has `confirmed` them.
+        If a call is wrong or forbidden, the turn says so, and no goals are returned. Raises
+        `NeedsConfirmation` if the policy wants a yes and the calls are not `confirmed`.
         """
         try:
             goals = self._goals(calls, skills, turn, confirmed=confirmed)
@@ -326,7 +337,7 @@ class SkillExecutor:
         return ()
 
     def run(self, goals: Sequence[Goal], turn: Turn, source: str) -> bool:
-        """Acknowledge and run them in order; False if nothing may move, which is said."""
+        """Acknowledge the goals and run them in order; if motion is forbidden, say so: False."""
         if held := self._held([goal.skill for goal in goals], turn.mark):
             self._refuse(goals, held, turn)
             return False
@@ -366,12 +377,12 @@ class SkillExecutor:
         confirmed: bool = False,
         goal_id: str | None = None,
     ) -> Goal:
-        """A goal that is judged again when it begins: it may have waited."""
+        """A goal that the policy judges again when it begins, since it may have waited."""
         leave = self._guard.leave(way, _asked(skill, arguments), confirmed=confirmed)
         return Goal(skill, arguments, turn=turn, bus=self._bus, goal_id=goal_id, leave=leave)
 
     def _run_beside(self, goals: Sequence[Goal], turn: Turn) -> bool:
-        """Say what is going to be done, and begin: planning a way first would hold the words up."""
+        """Say what the robot will do, then begin: planning a way first would delay the words."""
         moving = [goal for goal in goals if goal.skill.moves]
         phrases, skills = self._phrases(), [goal.skill for goal in goals]
         if not turn.token.cancelled and not self._held(skills, turn.mark):
@@ -383,14 +394,14 @@ class SkillExecutor:
             held = self._held(skills, turn.mark)
             if not held:
                 self._runner.move(goals)
-        if held:  # since they were told of, just now
+        if held:  # motion became forbidden after the acknowledgement
             for goal in goals:
                 goal.drop(held)
             turn.say(phrases.refusal(held), Outcome.REFUSED)
         return not held
 
     def _refuse(self, goals: Sequence[Goal], reason: Reason, turn: Turn) -> None:
-        """Say why none of them is done, and tell of each that it is not."""
+        """Say why no goal runs, and publish a rejection for each."""
         for goal in goals:
             self._reject(Call(goal.skill.name, goal.arguments), reason, turn.way, turn.number)
         turn.say(self._phrases().refusal(reason), Outcome.REFUSED)
@@ -408,7 +419,10 @@ class SkillExecutor:
             turn.say(_report(phrases, goal), detail=detail(phrases, goal.reason))
 
     def _held(self, skills: Sequence[Skill], mark: int) -> Reason:
-        """Why these, asked for at this mark, may not run; none if they may. A stop always may."""
+        """The reason why these skills may not run at this mark; empty if they may.
+
+        The skill `stop` always may.
+        """
         if any(skill.drives for skill in skills):
             return self._interlock.refusal(mark)
         if all(skill.name == STOP for skill in skills):
@@ -416,7 +430,7 @@ class SkillExecutor:
         return self._interlock.outdated(mark)
 
     def _stand(self, reason: Reason) -> Tell:
-        """End what moves; what this returns says why. Motion that begins after this is refused."""
+        """End all motion and return a function that says why; later motion is refused."""
         tell_those = [follower.motion_forbidden(reason) for follower in self._followers]
         with self._gate:
             ended = self._runner.cancel_motion(reason)
@@ -451,7 +465,7 @@ def _follow(goal: Goal, turn: Turn) -> None:
 
 
 def _report(phrases: Phrasebook, goal: Goal) -> str:
-    """What to say of a goal's end; nothing for one that somebody cancelled."""
+    """The sentence about a goal's end; empty for a cancelled goal."""
     if goal.status is GoalStatus.SUCCEEDED:
         return phrases.report(goal.skill, goal.arguments, goal.result)
     if goal.status is GoalStatus.FAILED:
@@ -460,7 +474,7 @@ def _report(phrases: Phrasebook, goal: Goal) -> str:
 
 
 def _asked(skill: Skill, arguments: Mapping[str, Any]) -> CheckedCall:
-    """As the policy judges it."""
+    """The call in the form that the policy judges."""
     return CheckedCall(
         skill.name, arguments, skill.drives, skill.confirm, towards_rad=skill.towards_rad
     )

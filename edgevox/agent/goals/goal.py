@@ -1,4 +1,4 @@
-"""A goal: one call of one skill, what was asked, how far it is and how it ended."""
+"""The goal: one call of one skill, with its arguments, progress and end."""
 
 import json
 import threading
@@ -23,17 +23,17 @@ _MOST_REASON = 200
 
 
 class GoalLeave(Protocol):
-    """Whether a goal may begin, and go on. Both raise `SkillFailed` with the reason why not."""
+    """Permission for a goal. Both methods raise `SkillFailed` with the reason of a refusal."""
 
     def begin(self) -> None:
-        """Asked once, as it begins, on the thread that runs it."""
+        """Permit the goal to begin. Called once, on the thread that runs it."""
 
     def go_on(self) -> None:
-        """Asked as it reports how far it is."""
+        """Permit the goal to go on. Called whenever it reports progress."""
 
 
 class _AnyLeave:
-    """For a goal that was judged by whatever made it."""
+    """Permits everything, for a goal whose maker has judged it."""
 
     def begin(self) -> None:
         """It may."""
@@ -46,9 +46,9 @@ _MAY = _AnyLeave()
 
 
 class Goal:
-    """Is the `GoalHandle` that the skill's function sees. Only what runs it changes it.
+    """The `GoalHandle` that the skill's function gets. Only the code that runs it changes it.
 
-    `turn` is 0 for a goal that nobody asked for in words. It has `leave` to begin and to go on.
+    `turn` is 0 for a goal that no words asked for. `leave` permits the goal to begin and to go on.
     """
 
     def __init__(
@@ -78,7 +78,7 @@ class Goal:
 
     @property
     def error(self) -> str:
-        """Why it did not succeed, in English; empty if it did, or has not ended."""
+        """The reason why the goal did not succeed, in English; empty if it did or still runs."""
         return str(self.reason)
 
     @property
@@ -86,7 +86,7 @@ class Goal:
         return self._token
 
     def report(self, **feedback: Any) -> None:
-        """Publish how far this goal is. Raises `TypeError` or `ValueError` for what is not JSON."""
+        """Publish progress. Raises `TypeError` or `ValueError` for values that are not JSON."""
         json.dumps(feedback)
         self.feedback = feedback
         if self.status is GoalStatus.RUNNING:
@@ -94,7 +94,7 @@ class Goal:
             self._ask()
 
     def _ask(self) -> None:
-        """End what may not go on: cancelled as by anybody, so that the body halts at once."""
+        """Cancel the goal if it may not go on, so that the body halts at once."""
         try:
             self._leave.go_on()
         except SkillFailed as error:
@@ -106,7 +106,7 @@ class Goal:
         return self._ended.wait(timeout_s)
 
     def accept(self) -> None:
-        """Say on the bus that this goal will run."""
+        """Publish that this goal will run."""
         self._tell()
 
     def run(self) -> None:
@@ -118,7 +118,7 @@ class Goal:
                 self.end(GoalStatus.CANCELLED, self._token.why)
 
     def _begins(self) -> bool:
-        """Whether it may: it has not ended and was not cancelled, nor while that was told."""
+        """Publish that the goal runs; False if it has ended or is cancelled, before or after."""
         if self._token.cancelled:
             return False
         with self._ending:
@@ -137,7 +137,7 @@ class Goal:
                 self.end(GoalStatus.FAILED, self._forbidden)
             else:
                 self.end(GoalStatus.CANCELLED, self._token.why or cancelled.why)
-        except (SkillFailed, WrongArgument) as error:  # what people may hear, and nothing else
+        except (SkillFailed, WrongArgument) as error:  # reasons that may be said aloud
             self.end(GoalStatus.FAILED, reason_of(error))
         except BaseException as error:
             log.exception("skill_broke", skill=self.skill.name)
@@ -147,7 +147,7 @@ class Goal:
             self.end(GoalStatus.SUCCEEDED, result=result)
 
     def drop(self, reason: Reason) -> None:
-        """End it without ever having run."""
+        """End the goal without running it."""
         self._token.cancel(reason)
         self.end(GoalStatus.CANCELLED, reason)
 
@@ -158,7 +158,10 @@ class Goal:
         *,
         result: Mapping[str, Any] = {},
     ) -> None:
-        """Say how it ended; only the first end counts. One that is cancelled always has a code."""
+        """End the goal and publish that; only the first end counts.
+
+        A cancellation without a code gets the code `called_off`.
+        """
         if status is GoalStatus.CANCELLED and not reason.code:
             reason = because("called_off", reason.text)
         with self._ending:
@@ -181,13 +184,13 @@ class Goal:
         result: Mapping[str, Any] | None = None,
         reason: Reason | None = None,
     ) -> None:
-        """Say on the bus how far it is."""
+        """Publish the goal's status."""
         what = (self.id, self.skill.name, self.arguments, self.status, self.turn)
         self._bus.publish(GoalChanged(*what, feedback, result, reason))
 
 
 def _as_json(result: Any) -> Mapping[str, Any]:
-    """What a skill returned. Raises `TypeError` or `ValueError` if it is no JSON object."""
+    """The skill's result. Raises `TypeError` if it is no JSON object."""
     if result is None:
         return {}
     if not isinstance(result, Mapping):

@@ -1,4 +1,4 @@
-"""Runs plans of goals one after another, on a thread that it leaves behind if a skill hangs."""
+"""Lanes, which run plans of goals one after another and leave a thread behind if a skill hangs."""
 
 import threading
 from collections import deque
@@ -16,27 +16,29 @@ from edgevox.core.reason import Reason
 log = get_logger(__name__)
 
 GRACE_S = 2.0
-"""A skill that was cancelled has this long to return; then its goal ends without it."""
+"""Seconds that a cancelled skill has to return; then its goal ends without it."""
 
 
 @dataclass(frozen=True, slots=True)
 class Plan:
-    """Goals that run in their order, each for `limit_s` at most."""
+    """Goals that run one after another."""
 
     goals: Sequence[Goal]
+    """The goals, in their order."""
     limit_s: float | None = None
+    """Longest time for each goal, in seconds; None for no limit."""
 
 
 _NOTHING = Plan(())
 
 
 class Lane:
-    """Runs plans in the order in which they come, or the newest instead of all others.
+    """Runs plans in their order (`append`), or the newest in place of all others (`replace`).
 
-    A goal that does not succeed stops the rest of its plan, which end as cancelled. `on_end` is
-    called for every goal that ran, after its end was published. A skill that does not return
-    `GRACE_S` after it was cancelled, or within its plan's limit, is left alone on its thread: its
-    goal ends, and the lane goes on with another thread. `deadlines` are its owner's.
+    A goal that does not succeed ends the rest of its plan as cancelled. `on_end` is called for
+    every goal that ran, after its end was published. A skill that does not return within `GRACE_S`
+    of its cancellation, or within its plan's limit, stays alone on its thread: its goal ends, and
+    the lane goes on with another thread. The owner starts and closes `deadlines`.
     """
 
     def __init__(
@@ -56,7 +58,7 @@ class Lane:
         self._worker.start()
 
     def close(self) -> None:
-        """Cancel everything and wait for the thread, unless it hangs in a skill."""
+        """Cancel all goals and wait for the thread, unless it hangs in a skill."""
         with self._wake:
             self._closed = True
             self._wake.notify_all()
@@ -67,42 +69,42 @@ class Lane:
 
     @property
     def busy(self) -> bool:
-        """Whether any goal runs or waits."""
+        """True if any goal runs or waits."""
         with self._wake:
             return self._has_work()
 
     @property
     def waiting(self) -> int:
-        """How many plans wait."""
+        """Number of waiting plans."""
         with self._wake:
             return len(self._waiting)
 
     @property
     def last(self) -> Goal | None:
-        """The goal that will end last of those that run and wait."""
+        """The last goal of all plans that run or wait, or None."""
         with self._wake:
             plans = [plan.goals for plan in (self._current, *self._waiting) if plan.goals]
             return plans[-1][-1] if plans else None
 
     def append(self, plan: Plan) -> None:
-        """Run this plan after those that wait."""
+        """Run this plan after the waiting ones."""
         self._submit(plan, replace=False)
 
     def replace(self, plan: Plan) -> None:
-        """Run this plan instead of whatever runs or waits."""
+        """Run this plan in place of all that run or wait."""
         running, superseded = self._submit(plan, replace=True)
         newer = plan.goals[0].skill.name if plan.goals else "nothing"
         _cancel(running, superseded, because("preempted", skill=newer))
 
     def cancel(self, reason: Reason | str) -> bool:
-        """Cancel what runs and waits; True if anything did. Does not wait for its end."""
+        """Cancel all plans without waiting for their ends; True if there was any."""
         with self._wake:
             running, waiting = self._take_all()
         _cancel(running, waiting, reason if isinstance(reason, Reason) else Reason(reason))
         return bool(running.goals or waiting)
 
     def wait_idle(self, timeout_s: float | None = None) -> bool:
-        """Block until nothing runs or waits; False if something still did after the timeout."""
+        """Block until no plan runs or waits; False after the timeout."""
         with self._wake:
             return self._wake.wait_for(lambda: not self._has_work(), timeout_s)
 
@@ -110,7 +112,7 @@ class Lane:
         return bool(self._current.goals or self._waiting)
 
     def _submit(self, plan: Plan, *, replace: bool) -> tuple[Plan, Sequence[Plan]]:
-        """Let it wait; what runs, and what no longer waits for it."""
+        """Queue a plan; return the running plan and the waiting ones that it replaces."""
         for goal in plan.goals:
             goal.accept()
         with self._wake:
@@ -138,7 +140,7 @@ class Lane:
             self._run(plan)
 
     def _next(self) -> Plan | None:
-        """The plan that is to be run by this thread; None if it is to end."""
+        """Wait for the next plan of this thread; None if the thread must end."""
         me = threading.current_thread()
         with self._wake:
             self._wake.wait_for(lambda: self._may_begin() or self._closed or self._worker is not me)
@@ -159,7 +161,7 @@ class Lane:
         self._finish(plan)
 
     def _ran_in_time(self, goal: Goal, plan: Plan) -> bool:
-        """Run it under deadlines; False if it was left alone, and the plan with it."""
+        """Run a goal under deadlines; False if the lane gave up on it and its plan."""
         leave = partial(self._leave, goal, plan)
         with self._wake:
             self._running = goal
@@ -197,7 +199,7 @@ class Lane:
         self._finish(plan)
 
     def _replace_worker(self, goal: Goal) -> None:
-        """Give the lane another thread; without one, it waits for the one that hangs."""
+        """Give the lane another thread; if none can start, the lane waits for the hanging one."""
         left, self._worker = self._worker, self._new_worker()
         try:
             self._worker.start()
@@ -206,7 +208,7 @@ class Lane:
             self._worker = left
 
     def _told(self, goal: Goal) -> GoalStatus:
-        """How it ended, once `on_end` knows."""
+        """Call `on_end`, and return the goal's status."""
         try:
             self._on_end(goal)
         except Exception:
@@ -214,7 +216,7 @@ class Lane:
         return goal.status
 
     def _finish(self, plan: Plan) -> None:
-        """The plan is over; what is left of it ends as cancelled."""
+        """End the plan; its goals that did not run end as cancelled."""
         ran = [goal for goal in plan.goals if goal.status in GOAL_ENDS]
         if ran:
             last = ran[-1]

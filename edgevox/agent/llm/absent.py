@@ -1,4 +1,4 @@
-"""Stands in for a language model that was asked for and could not be had."""
+"""The stand-in for a language model that was asked for but could not be loaded."""
 
 from collections.abc import Iterator, Sequence
 
@@ -9,7 +9,7 @@ from edgevox.core.cancel import CancelToken
 class AbsentModel:
     """Implements `LanguageModel`: it never answers, and says why.
 
-    So a robot without its model comes up, obeys plain commands, and tells whoever asks for more.
+    So a robot without its model starts, obeys plain commands, and says why it cannot do more.
     """
 
     name = "none"

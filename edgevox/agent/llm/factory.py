@@ -1,6 +1,6 @@
-"""One way to get a language model, whichever engine is installed.
+"""The factory of language models, for whichever engine is installed.
 
-What the processor of this machine can do, as ``/proc/cpuinfo`` says; psutil does not tell.
+It reads the processor's features from ``/proc/cpuinfo``, because psutil does not tell them.
 """
 
 import importlib.util
@@ -19,9 +19,9 @@ XLLAMACPP_NEEDS = frozenset({"avx2", "fma", "f16c", "bmi2"})
 
 
 def missing_features(needed: frozenset[str], cpuinfo: str | None = None) -> frozenset[str]:
-    """Those of an x86-64 processor's features that are not there; none where that is not known.
+    """Needed features that an x86-64 processor lacks; empty if that is unknown.
 
-    `cpuinfo` is what stands in ``/proc/cpuinfo``.
+    `cpuinfo` is the text of ``/proc/cpuinfo``.
     """
     if cpuinfo is None:
         if platform.machine() != "x86_64":

@@ -1,4 +1,4 @@
-"""What the conversation needs of a language model."""
+"""The interface of language models, and their errors."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -16,12 +16,12 @@ class ModelFailed(EdgeVoxError):
 
 
 class ModelBusy(ModelFailed):
-    """It is well, but has no room for this question; a later one may be answered."""
+    """The model works but has no room for this question; it may answer a later one."""
 
 
 @dataclass(frozen=True, slots=True)
 class ChatMessage:
-    """One message of a chat."""
+    """A message of a chat."""
 
     role: Literal["system", "user", "assistant"]
     content: str
@@ -54,7 +54,7 @@ class LanguageModel(Protocol):
         """Read these messages now, so that a chat that begins with them is answered sooner."""
 
     def count_tokens(self, text: str) -> int:
-        """How many tokens this text takes."""
+        """Number of tokens of this text."""
 
     def close(self) -> None:
         """Free the model's memory and end its threads; what is being generated ends with them."""

@@ -77,7 +77,7 @@ class LlamaCppModel:
             pass
 
     def count_tokens(self, text: str) -> int:
-        """How many tokens this text takes."""
+        """Number of tokens of this text."""
         self._refuse_if_closed()
         return len(self._llama.tokenize(text.encode(), add_bos=False, special=False))
 

@@ -1,4 +1,4 @@
-"""Reads a chat's opening into a model while the robot is already of use."""
+"""The prefill: a model reads a chat's opening while the robot already obeys plain commands."""
 
 import threading
 from collections.abc import Callable, Sequence
@@ -13,9 +13,9 @@ log = get_logger(__name__)
 class PromptPrefill:
     """Primes a model on a thread of its own.
 
-    Plain commands never need the model, so nobody has to wait for this; a sentence for the model
-    that comes meanwhile waits for the rest of it, and is sooner answered for it. `after` blocks
-    until what is more urgent is done.
+    Plain commands never need the model, so they do not wait for this. A sentence for the model that
+    comes meanwhile waits for the rest of the priming and is answered sooner because of it. `after`
+    blocks until more urgent work is done.
     """
 
     def __init__(

@@ -1,4 +1,4 @@
-"""What the language model, on board or on a server, says of itself: the component `llm`."""
+"""The component `llm` of the status: the language model on board or on a server."""
 
 from pathlib import Path
 
@@ -41,7 +41,7 @@ class LlmComponent:
         self.checks = (HealthCheck("llm", lambda: absent, vital=False),) if absent else ()
 
     def status(self) -> Status:
-        """How it is now."""
+        """The status now."""
         fault, failed, found = fault_of(self._model), self._gauges.model_failures, []
         if self._absent:
             found.append(Finding(Level.ERROR, f"the model on board is missing: {self._absent}"))

@@ -1,4 +1,4 @@
-"""How an engine shares the processor with the robot that it speaks for.
+"""Tuning of an engine that shares the processor with the robot.
 
 Measured with Qwen2.5-Coder-0.5B Q4_K_M on two cores, tokens/s of prompt and of answer, alone |
 beside a thread that wants 20 % of a core | beside one that wants all of it:

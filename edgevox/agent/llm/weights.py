@@ -1,6 +1,6 @@
-"""What a GGUF file promises about itself, read before an engine is trusted with it.
+"""Checks of a GGUF file before an engine loads it, and of the memory that it needs.
 
-What a language model takes of memory, and what there is: for its loader and for the doctor.
+The loader of models and the doctor use both.
 """
 
 import math
@@ -34,7 +34,7 @@ class Weights:
 
 
 def check(path: Path) -> Weights:
-    """What the file is. Raises `ModelFailed` if it is missing, not GGUF, or cut short."""
+    """The weights in a file. Raises `ModelFailed` if it is missing, not GGUF, or cut short."""
     try:
         size = path.stat().st_size
         with open(path, "rb", opener=regular) as file:
@@ -150,7 +150,7 @@ def needed_bytes(weights: Weights, context_tokens: int) -> int:
 
 
 def read_memory() -> Memory | None:
-    """What the kernel can give, and the limits of container and process allow; None if unknown."""
+    """The memory that the kernel, the container and the process's limits allow; None if unknown."""
     try:
         lines = Path("/proc/meminfo").read_text(encoding="ascii").splitlines()
     except OSError:
@@ -164,7 +164,7 @@ def read_memory() -> Memory | None:
 
 
 def _address_space_left() -> int | None:
-    """What `ulimit -v` allows; None where there is no such limit."""
+    """Bytes left under `ulimit -v`; None without such a limit."""
     most, _ = resource.getrlimit(resource.RLIMIT_AS)
     if not 0 <= most < _NOBODY_NEEDS_MORE:
         return None

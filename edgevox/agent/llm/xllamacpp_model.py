@@ -46,7 +46,7 @@ class _Connection(http.client.HTTPConnection):
 
 
 def post(path: Path, route: str, body: dict[str, Any], key: str) -> dict[str, Any]:
-    """The reply's JSON object. Raises `ModelFailed` when it is refused or nobody answers."""
+    """The reply's JSON object. Raises `ModelFailed` for a refusal, and without a reply."""
     connection = _Connection(path)
     headers = {"Content-Type": "application/json", "Authorization": f"Bearer {key}"}
     try:
@@ -67,16 +67,16 @@ PREFIX = "edgevox-llm-"
 
 
 class SocketFolder:
-    """A new folder that only this user may enter.
+    """A new folder for a model's socket, which only this user may enter.
 
-    It is locked for as long as this process lives, however it ends: a process number would mean
-    somebody else in the next container.
+    The folder is locked for the life of this process, however it ends. A process number would not
+    do, because it means another process in the next container.
     """
 
     def __init__(self, parent: Path | None = None) -> None:
         parent = parent or Path(tempfile.gettempdir())
         remove_abandoned(parent)
-        # Nobody sweeps it before it is locked, for until then it has another name.
+        # Its first name keeps `remove_abandoned` away until it is locked.
         made = Path(tempfile.mkdtemp(prefix=f".{PREFIX}", dir=parent))
         self._lock = os.open(made, os.O_RDONLY | os.O_DIRECTORY)
         with suppress(OSError):  # a file system without locks: there nobody else gets one, either
@@ -168,7 +168,7 @@ class XllamacppModel:
             pass
 
     def count_tokens(self, text: str) -> int:
-        """How many tokens this text takes."""
+        """Number of tokens of this text."""
         if self._closed.is_set():
             raise ModelFailed(f"{self.name} is closed")
         reply = post(self._socket, "/tokenize", {"content": text}, self._key)
@@ -187,9 +187,9 @@ class XllamacppModel:
 
 
 class _ServerAnswer:
-    """One answer on its way from the engine's thread to whoever iterates over it.
+    """An answer on its way from the engine's thread to the thread that iterates over it.
 
-    What waits in between is bounded by the `max_tokens` of the request.
+    The request's `max_tokens` bounds the pieces that wait in between.
     """
 
     def __init__(self, token: CancelToken, closed: threading.Event) -> None:
@@ -221,7 +221,7 @@ class _ServerAnswer:
         self._queue.put(None)
 
     def pieces(self) -> Iterator[str]:
-        """Blocks for each piece; ends when the engine does, or when nobody wants more."""
+        """Yield pieces, blocking for each; end with the engine, or once abandoned."""
         forget = self._token.on_cancel(lambda: self._queue.put(None))
         try:
             while (item := self._queue.get()) is not None:
@@ -234,7 +234,7 @@ class _ServerAnswer:
             forget()
 
     def abandon(self) -> None:
-        """Nobody listens any more."""
+        """Tell that no thread reads the answer any more."""
         self._abandoned.set()
 
 

@@ -1,7 +1,7 @@
-"""What an utterance means: by templates, programs, a judged reading, or a language model.
+"""Understanding of utterances: by templates, programs, a judged reading, or a language model.
 
-`interpreter` asks them in this order. `templates` are matched by hassil. `readings` says what calls
-a sentence could be, from what `lexicon`, `clauses` and `mentions` find in it; `decider` judges
-that, by the numbers of `evidence` and `encoder`, which the trained head of `confidence` weighs.
+`interpreter` asks them in this order. hassil matches `templates`. `order_reader` reads programs
+(`orders`). `reading` finds the calls that a sentence could be, with `lexicon` and `clauses`;
+`decider` judges the reading, by its evidence and the `encoder`, with the trained head of `meaning`.
 Imports no engine but numpy.
 """

@@ -1,4 +1,4 @@
-"""What a robot can do, in words: from the skills that it has, and without a model."""
+"""The abilities of a robot in words, from its skills and without a model."""
 
 from collections.abc import Sequence
 
@@ -9,9 +9,9 @@ from edgevox.agent.text.words import as_part
 
 
 def abilities(book: Phrasebook, skills: Sequence[Skill]) -> tuple[str, str]:
-    """What a robot with these skills can do, in one sentence; and all of it, if that is more.
+    """A sentence with a few abilities, and one with all if there are more.
 
-    What only this robot can do comes first, and how it is stopped last.
+    Abilities of this robot alone come first, and how to stop it comes last.
     """
     actions = [_can(book, one) for one in _telling(book, skills)]
     if not actions:
@@ -25,9 +25,9 @@ def abilities(book: Phrasebook, skills: Sequence[Skill]) -> tuple[str, str]:
 
 
 def not_understood(book: Phrasebook, skills: Sequence[Skill]) -> tuple[str, str]:
-    """That a sentence was not understood, with an example of what would be.
+    """The sentence "not understood" with an example, and a detail to write.
 
-    And what is only written: a few more examples, and how to ask for all.
+    The detail has a few more examples and tells how to ask for all.
     """
     if not skills:
         return book.say("not_understood"), ""
@@ -43,9 +43,9 @@ def _telling(book: Phrasebook, skills: Sequence[Skill]) -> Sequence[Skill]:
 
 
 def _can(book: Phrasebook, one: Skill) -> str:
-    """As the skill says it in this language, or the sentence by which it is asked for in it.
+    """The skill's ability in this language, or a sentence that asks for the skill.
 
-    Of a skill that brings no word of the language there is only its description.
+    A skill without words in this language has only its description.
     """
     said = book.can(one)
     foreign = book.fallback is not None and said == as_part(one.description)

@@ -1,6 +1,6 @@
-"""What the words between two borders of a sentence could be: one call of a skill, or talk.
+"""Clauses: the words between two borders of a sentence as one call of a skill, or as talk.
 
-Finds in a sentence what the arguments of skills may be: names that they know, and numbers.
+`find_names` and `find_numbers` find the values for arguments: names that skills know, and numbers.
 """
 
 import difflib
@@ -16,44 +16,49 @@ from edgevox.agent.text.spelling import ENDING, is_same_name
 from edgevox.core.errors import InvalidValue
 
 _NEARLY = 0.8
-"""How alike two spellings of one name are at least."""
+"""Least similarity of two spellings of one name, from 0 to 1."""
 _AXES = frozenset({"x", "y", "z"})
 _SHORTEST = 4
-"""A shorter name is not looked for in other spellings."""
+"""Number of letters from which on a name is looked for in other spellings."""
 
 
 @dataclass(frozen=True, slots=True)
 class Name:
-    """Words from `start` up to but without `end` that name a value of some arguments.
-
-    `values` are the words of each skill's argument that they stand for; `nearly` says that they are
-    spelled otherwise, `guessed` that not even their letters are the same.
-    """
+    """Words of a sentence that name a value of some arguments."""
 
     start: int
+    """Index of the first word."""
     end: int
+    """Index after the last word."""
     values: Mapping[tuple[str, str], str]
+    """The value for each pair of a skill and its argument."""
     nearly: bool = False
+    """True if the name is spelled in another way."""
     guessed: bool = False
+    """True if even its letters differ."""
 
 
 @dataclass(frozen=True, slots=True)
 class Number:
-    """A number, with the letter of the axis before it and the word after it."""
+    """A number of a sentence."""
 
     start: int
+    """Index of its token."""
     value: float
+    """Its value."""
     axis: str
+    """The letter of its axis; empty without one."""
     unit: str
+    """The word after it; empty without one."""
 
     @property
     def end(self) -> int:
-        """Where it ends."""
+        """Index after its token."""
         return self.start + 1
 
 
 def find_names(lexicon: Lexicon, tokens: Words) -> list[Name]:
-    """Names in their order; of overlapping ones the longest."""
+    """Names in a sentence, in their order; of overlapping ones the longest."""
     found: dict[tuple[int, int], dict[tuple[str, str], str]] = {}
     for place, names in lexicon.names.items():
         for start, end, word in _exactly(names, tokens):
@@ -74,7 +79,7 @@ def find_names(lexicon: Lexicon, tokens: Words) -> list[Name]:
 
 
 def find_numbers(tokens: Words, linking: frozenset[str]) -> list[Number]:
-    """Numbers in their order. `linking` words may stand between an axis and its number."""
+    """Numbers in a sentence. `linking` words may stand between an axis and its number."""
     return [
         Number(at, float(token), _axis(tokens, at, linking), _unit(tokens, at))
         for at, token in enumerate(tokens)
@@ -115,9 +120,9 @@ def _exactly(names: Mapping[Words, str], tokens: Words) -> Iterator[tuple[int, i
 def _nearly(
     names: Mapping[Words, str], tokens: Words, lexicon: Lexicon
 ) -> Iterator[tuple[int, int, str, bool]]:
-    """Names in another spelling: one word for two, two for one, or a slip of the fingers.
+    """Names in another spelling: one word for two, two for one, or a typing error.
 
-    With each comes whether at least its letters are the same.
+    Each comes with its borders, its value, and whether its letters are the same.
     """
     if not lexicon.book.hearing.spaced:
         return
@@ -154,33 +159,40 @@ def _longest(names: Sequence[Name]) -> list[Name]:
 _CALL_COSTS = 1.0
 _STRANGE_COSTS = 0.25
 _STRANGE_INSIDE_COSTS = 0.27
-"""Rather leave strange words out of a call, where the sentence has a border before them."""
+"""Higher than the cost outside: strange words after a border are better left out of a call."""
 _PLAIN, _BARE = 0.0, 1.2
-"""What the words must weigh at least that speak for a skill: for one that moves, where a name or a
-number is said that it takes, and for all else."""
+"""Least weights of the words that speak for a skill: for a drive with a said name or number, and
+for any other call."""
 
 
 @dataclass(frozen=True, slots=True)
 class ClauseReading:
-    """One call of a reading, and how well the words from `start` to `end` speak for it.
-
-    `support` are the weights of the words that speak for its skill, `told` those of its templates
-    alone, `rival` those for the next one, `grounded` how many values were said, `strange` the words
-    that no skill and no courtesy knows. `guessed`: one of its values was said in other letters.
-    """
+    """A clause read as one call."""
 
     call: Call
+    """The call."""
     start: int
+    """Index of the clause's first token."""
     end: int
+    """Index after its last token."""
     support: float
+    """Weight of the words that speak for the skill."""
     told: float
+    """Weight of those among them that stand in the skill's templates."""
     rival: float
+    """Weight of the words that speak for the next best skill."""
     grounded: int
+    """Number of arguments whose values were said."""
     strange: int
+    """Number of words that no skill and no courtesy knows."""
     nearly: bool
+    """True if a name was spelled in another way."""
     guessed: bool
+    """True if a name was said in other letters."""
     unitless: bool
+    """True if a number lacks its unit."""
     unfilled: int
+    """Number of the skill's word arguments without a value."""
 
 
 class Clauses:
@@ -211,7 +223,7 @@ class Clauses:
     def options(
         self, start: int, end: int, before: tuple[ClauseReading, ...]
     ) -> Iterator[tuple[float, ClauseReading | None]]:
-        """What the words between two borders may be, with how good that is."""
+        """The readings of the words between two borders, each with its score; None for talk."""
         inside = [one for one in self._names if start <= one.start < end]
         names = [one for one in inside if not self._is_weak(one)]
         numbers = [one for one in self._numbers if start <= one.start < end]
@@ -237,15 +249,15 @@ class Clauses:
             yield value - _CALL_COSTS + 0.3 * again - 0.01 * index, replace(part, rival=rival)
 
     def _may_be_short(self, part: ClauseReading) -> bool:
-        """Whether it may leave out its verb: "the kitchen, please" asks for motion only."""
+        """True if the call may lack its verb: "the kitchen, please" can only ask for a drive."""
         return part.grounded > 0 and self._lexicon.skills[part.call.skill].drives
 
     def _is_weak(self, one: Name) -> bool:
-        """Whether these words may just as well mean nothing: "it", "that"."""
+        """True if these words may as well mean nothing: "it", "that"."""
         return all(at in self._filled_words for at in range(one.start, one.end))
 
     def strange(self, start: int, end: int, words: SkillWords | None = None) -> int:
-        """How many words are neither a name, a number, a courtesy nor a word of this skill."""
+        """Number of words that are no name, number, courtesy or word of this skill."""
         known = words.weights if words else {}
         return sum(
             self._is_thing(at, known)
@@ -260,7 +272,7 @@ class Clauses:
         )
 
     def _is_thing(self, at: int, known: Mapping[str, float]) -> bool:
-        """Whether it stands for a thing that no skill takes: "bring it to the kitchen"."""
+        """True if a pronoun stands for a thing that no skill takes: "bring it to the kitchen"."""
         if at in self._named or self.tokens[at] not in self._pronouns:
             return False
         before = self.tokens[at - 1] if at else ""
@@ -307,7 +319,7 @@ class Clauses:
             )
 
     def _may_be_a_point(self, numbers: Sequence[Number]) -> bool:
-        """Whether something says so where several numbers have no axes: "to 3, 4", not "3 by 4"."""
+        """False if several numbers without axes are no point: "3 by 4", unlike "to 3, 4"."""
         if len(numbers) < 2 or any(one.axis for one in numbers):
             return True
         joints = frozenset({plain(self._lexicon.book.hearing.pair)})
@@ -325,7 +337,7 @@ class Clauses:
 def _assigned(
     words: SkillWords, names: tuple[Name, ...], numbers: tuple[Number, ...]
 ) -> Iterator[tuple[Mapping[str, Any], bool]]:
-    """Every way in which these names and numbers are the arguments of a skill, all of them used."""
+    """Arguments of a skill that use all these names and numbers, and whether a unit is missing."""
     counted = _counted(words, numbers)
     if counted is None:
         return
@@ -342,7 +354,7 @@ def _assigned(
 
 
 def _is_alone(one: ClauseReading, parts: Sequence[ClauseReading]) -> bool:
-    """Whether no other skill takes as many of the names and numbers."""
+    """True if no other skill takes as many of the names and numbers."""
     return all(o.call.skill == one.call.skill or o.grounded < one.grounded for o in parts)
 
 
@@ -352,7 +364,10 @@ def _required(words: SkillWords) -> set[str]:
 
 
 def _counted(words: SkillWords, numbers: tuple[Number, ...]) -> tuple[dict[str, Any], bool] | None:
-    """The numbers as arguments: by their axes, or in their order; None where they do not fit."""
+    """The numbers as arguments, by their axes or in their order; None if they do not fit.
+
+    The second value is True if a number lacks its unit.
+    """
     slots = words.numbers
     if not numbers:
         return {}, False

@@ -1,6 +1,7 @@
-"""Decides whether a sentence that no template knows is an order, which, and how sure that is.
+"""The decider: is a sentence that no template knows an order, which one, and how surely?
 
-What speaks for and against a reading being an order, as numbers that a head weighs.
+`evidence` puts the signs for and against a reading into numbers, which a head weighs. `Readings`
+reads a sentence and judges the reading; `Decider` adds the encoder's opinion.
 """
 
 import itertools
@@ -24,16 +25,16 @@ _QUESTION_MARKS = "?\N{FULLWIDTH QUESTION MARK}\N{ARABIC QUESTION MARK}"
 _MOST_DOUBTS = 4
 _MOST_NAMED = 2
 _SPEAKS = 0.4
-"""What a word weighs at least that opens an order."""
+"""Least weight of a word that opens an order."""
 _SAYS_SO = 0.6
-"""What the words of a skill weigh at least that say that it is wanted, where nothing else does.
+"""Least weight of a skill's words that alone say that the skill is wanted.
 
-In English, of which the judge was shown ten times as many sentences, any of them say so.
+In English any such word is enough: the head was trained on ten times as many English sentences.
 """
 
 
 def evidence(reading: Reading, lexicon: Lexicon, text: str) -> Mapping[str, float]:
-    """The numbers by their names, in one order."""
+    """The evidence about a reading: numbers by name, in a fixed order."""
     parts, tokens = reading.parts, reading.tokens
     words = lexicon.function_words
     size = max(1, sum(not is_mark(token) for token in tokens))
@@ -80,16 +81,16 @@ def evidence(reading: Reading, lexicon: Lexicon, text: str) -> Mapping[str, floa
 
 
 def is_denied(text: str, lexicon: Lexicon) -> bool:
-    """Whether a word of this language denies something in a sentence that was read in another."""
+    """True if a word of this language denies something in a sentence read in another language."""
     return bool(lexicon.index(lexicon.function_words.negations).starts(lexicon.tokenize(text)))
 
 
 def is_doubted(reading: Reading, facts: Mapping[str, float], lexicon: Lexicon) -> bool:
-    """Whether no word says that it is wanted, or may not say so.
+    """True if the sentence may not want what was read.
 
-    Something is told of what is named: "the kitchen's over there". A number goes on in a word that
-    nobody knows, or nothing joins two orders, one of which may have been taken back: "forward, back
-    one metre".
+    It tells something about a name ("the kitchen's over there"), a number goes on in an unknown
+    word, nothing joins two orders, one of which may be taken back ("forward, back one metre"), or
+    no word says that the skill is wanted.
     """
     joints = lexicon.index(tuple(lexicon.book.hearing.joints))
     if len(reading.parts) > 1 and not joints.starts(reading.tokens):
@@ -104,9 +105,9 @@ def is_doubted(reading: Reading, facts: Mapping[str, float], lexicon: Lexicon) -
 
 
 def _is_told_of(tokens: Words, lexicon: Lexicon, wanted: bool) -> bool:
-    """Whether a name stands beside a copula: "the dock is free", "over there's the dock".
+    """True if a name stands beside a copula: "the dock is free", "over there's the dock".
 
-    Before it may stand what it is where that is `wanted`: "your next waypoint is the dock".
+    In a `wanted` sentence a name may follow the copula: "your next waypoint is the dock".
     """
     copulas, articles = lexicon.function_words.copulas, lexicon.book.hearing.articles
     for at, one in enumerate(tokens):
@@ -121,7 +122,7 @@ def _is_told_of(tokens: Words, lexicon: Lexicon, wanted: bool) -> bool:
 
 
 def is_unsupported(reading: Reading, facts: Mapping[str, float], lexicon: Lexicon) -> bool:
-    """Whether the words of the skills alone do not say that they are wanted."""
+    """True if the words of the skills alone do not say that the skills are wanted."""
     if lexicon.book.code == ENGLISH:
         return facts["least_support"] <= 0
     return min(part.told for part in reading.parts) < _SAYS_SO
@@ -129,14 +130,14 @@ def is_unsupported(reading: Reading, facts: Mapping[str, float], lexicon: Lexico
 
 @dataclass(frozen=True, slots=True)
 class _SaidWords:
-    """What of the tables of small words a sentence holds, but for its courtesies."""
+    """The function words in a sentence, without those inside its courtesies."""
 
     lexicon: Lexicon
     tokens: Sequence[str]
     courteous: frozenset[int]
 
     def count(self, phrases: tuple[str, ...], parts: Sequence[ClauseReading] | None = None) -> int:
-        """How many of these it holds, anywhere or within these parts."""
+        """Number of these phrases in the sentence, anywhere or within these parts."""
         return len(
             {
                 one
@@ -146,7 +147,7 @@ class _SaidWords:
         )
 
     def opens(self, phrases: tuple[str, ...]) -> bool:
-        """Whether it, or a part of it after a mark, begins with one of these."""
+        """True if the sentence, or a part after a punctuation mark, begins with such a phrase."""
         starts = {0, *(at + 1 for at, token in enumerate(self.tokens) if is_mark(token))}
         return any(at in starts for at, _ in self._found(phrases))
 
@@ -157,7 +158,7 @@ class _SaidWords:
 
 
 def _addresses_another(reading: Reading, lexicon: Lexicon) -> bool:
-    """Whether one or two unknown words stand alone between marks: "Lucy, go to the office"."""
+    """True if one or two unknown words stand alone between marks: "Lucy, go to the office"."""
     clauses: list[list[str]] = [[]]
     for token in reading.tokens:
         if is_mark(token):
@@ -171,7 +172,7 @@ def _addresses_another(reading: Reading, lexicon: Lexicon) -> bool:
 
 
 def _is_imperative(reading: Reading, lexicon: Lexicon) -> bool:
-    """Whether each part begins, but for courtesies, with a word that speaks for its skill."""
+    """True if each part begins, after courtesies, with a word that speaks for its skill."""
     words = set(lexicon.function_words.fillers)
     for part in reading.parts:
         weights = lexicon.words[part.call.skill].weights
@@ -191,45 +192,50 @@ def _is_imperative(reading: Reading, lexicon: Lexicon) -> bool:
 
 
 _LEAST_MARGIN = 0.25
-"""Words that speak as much for another skill as for the one that was read choose neither."""
+"""Least lead in weight over another skill; with less, the words choose neither skill."""
 
 
 _DOUBTFUL = (ASK_FROM + SURE_FROM) / 2
-"""At most so sure is a motion of which not all was understood."""
+"""Highest confidence in a doubtful reading: it always asks."""
 
 
 @dataclass(frozen=True, slots=True)
 class Decision:
-    """Calls with the confidence that they are meant: at least `ASK_FROM`."""
+    """Calls that a sentence means."""
 
     calls: tuple[Call, ...]
+    """The calls."""
     confidence: float
+    """Confidence that they are meant, at least `ASK_FROM`."""
 
     @property
     def sure(self) -> bool:
-        """Whether to do it without asking."""
+        """True if they may be done without asking."""
         return self.confidence >= SURE_FROM
 
 
 @dataclass(frozen=True, slots=True)
 class Judged:
-    """A reading with what a decision about it rests on."""
+    """A reading with the facts for a decision about it."""
 
     reading: Reading
+    """The reading."""
     evidence: Mapping[str, float]
+    """The evidence about it."""
     held_back: bool
+    """True if something forbids it, whatever its likelihood: see `_held_back`."""
     doubted: bool
-    """No word says that it is wanted, or a number may go on in a word that nobody knows."""
+    """True if the sentence may not want it: see `is_doubted`."""
     unsaid: bool
-    """It rests on a name among words that nobody knows: see `is_unsaid`."""
+    """True if it rests on a name among unknown words: see `is_unsaid`."""
     loses: bool
-    """Something would last or be let go of, for which only a template is plain enough."""
+    """True if it changes something for good, for which only a template is plain enough."""
     unsupported: bool
-    """The words of the skills alone do not say that they are wanted."""
+    """True if the words of the skills alone do not say that the skills are wanted."""
 
 
 class Readings:
-    """The readings of sentences for one set of skills in one language, each with its evidence."""
+    """Reads and judges sentences for one set of skills, in one language and in English."""
 
     def __init__(self, skills: SkillSet, language: str) -> None:
         self._skills = skills
@@ -238,9 +244,9 @@ class Readings:
         self._readers: list[tuple[Lexicon, CallReader]] = []
 
     def of(self, text: str) -> Judged | None:
-        """The first reading of a sentence, in the language spoken or in English.
+        """The first reading of a sentence, in the spoken language or in English.
 
-        None where a number is written so that none can be read: see `is_exact`.
+        None for a number that cannot be read as it is written: see `is_exact`.
         """
         if not is_exact(text, self._language):
             return None
@@ -266,7 +272,7 @@ class Readings:
         return None
 
     def hold_back(self, text: str) -> bool:
-        """Whether these words say something that changes an order, whatever else they say."""
+        """True if these words hold something that changes or denies an order."""
         self._renew()
         plain = " ".join(text.split())
         return not is_exact(text, self._language) or any(
@@ -276,9 +282,9 @@ class Readings:
         )
 
     def _is_left(self, reading: Reading, lexicon: Lexicon, text: str) -> bool:
-        """Whether a reading that would do something leaves out what changes it.
+        """True if a reading that acts leaves out words that change or deny the order.
 
-        English ones are words of the language spoken, too.
+        An English reading is checked for words of the spoken language as well.
         """
         skills = [lexicon.skills[call.skill] for call in reading.calls]
         if not any(one.drives or one.lasting for one in skills):
@@ -291,7 +297,7 @@ class Readings:
         return lexicon is not spoken and is_left_over(_tokens(text, spoken), spoken, reading.parts)
 
     def _renew(self) -> None:
-        """The words of arguments may change while the robot runs: places are remembered."""
+        """Rebuild the readers if the words of arguments have changed: places are learned."""
         words = self._skills.words()
         if words != self._words:
             codes = dict.fromkeys((self._language, ENGLISH))
@@ -307,7 +313,7 @@ def _tokens(text: str, lexicon: Lexicon) -> Words:
 
 
 class Decider:
-    """Judges readings by what an encoder makes of the sentence. Used from one thread."""
+    """Judges readings with the encoder and the head. Used from one thread."""
 
     def __init__(self, encoder: SentenceReader, head: Head) -> None:
         self._encoder = encoder
@@ -315,7 +321,7 @@ class Decider:
         self._last: tuple[str, float] | None = None
 
     def decide(self, judged: Judged | None, text: str) -> Decision | None:
-        """What to do, or to ask whether to; None where nobody asks for anything."""
+        """The calls to do or to ask about; None if the sentence is no order."""
         if judged is None or judged.held_back or judged.unsaid:
             return None
         order = self._order(text)
@@ -325,21 +331,21 @@ class Decider:
         return Decision(judged.reading.calls, confidence) if confidence >= ASK_FROM else None
 
     def is_order(self, text: str) -> bool:
-        """Whether the speaker wants something of whoever hears it, whatever it is."""
+        """True if the sentence is an order to the hearer, of any content."""
         return self._order(text) > 0
 
     def _order(self, text: str) -> float:
-        """The logit of a sentence, which each agent and then the model's grammar ask for."""
+        """The order logit of a sentence; the last is kept, since several callers ask for it."""
         if self._last is None or self._last[0] != text:
             self._last = text, self._head.order(self._encoder.features(text))
         return self._last[1]
 
 
 def _is_doubtful(judged: Judged, order: float) -> bool:
-    """Whether to ask however likely it is.
+    """True if the robot must ask, however likely the reading is.
 
-    Not all of it was understood or, of a motion, no word says that it is wanted, or somebody else
-    is spoken to or will move.
+    Either not all words were understood; or it is a motion that no word wants, or the sentence may
+    address another person or tell who else will move.
     """
     facts = judged.evidence
     guessed = any(part.guessed for part in judged.reading.parts)
@@ -353,10 +359,10 @@ def _is_doubtful(judged: Judged, order: float) -> bool:
 
 
 def _held_back(reading: Reading, facts: Mapping[str, float]) -> bool:
-    """What no likelihood outweighs.
+    """True if something forbids the reading, whatever its likelihood.
 
-    That is a denial, a report, a question, a word that nobody knows where a value is missing, and
-    words that speak for two skills alike.
+    That is a denial; an unknown word where a value is missing; before a motion a report, a question
+    or an unread part; and words that speak for two skills alike.
     """
     if facts["denied"] or facts["strange_unfilled"] or (facts["moves"] and reading.unread):
         return True

@@ -1,8 +1,8 @@
-"""Decides what an utterance means: calls of skills, by templates or by a reading of it, or words.
+"""The interpreter, which turns an utterance into calls of skills or into an answer in words.
 
-A language model never moves the robot. It answers in words, hands over to another agent, and fills
-in what no reading can: arguments that take any words, of a sentence that is an order, and then
-somebody is asked first.
+Templates and readings find the calls. A language model never moves the robot without a yes: it
+answers in words, hands over to another agent, and fills in arguments that take any words, if the
+sentence is an order; then the robot asks first.
 """
 
 from collections.abc import Sequence
@@ -35,18 +35,19 @@ from edgevox.core.ways import Way
 log = get_logger(__name__)
 
 MAX_HANDOFFS = 3
-"""How often one utterance may be handed on; nobody gets it twice."""
+"""Number of hand-overs of one utterance; no agent gets it twice."""
 
 BACK = "go_back"
-"""The skill of the dialogue that leads back to where the last motion began."""
+"""Name of the dialogue skill that leads back to where the last motion began."""
 
 ANSWER_TOKENS = 160
-"""The longest answer or sequence of calls that a model may generate."""
+"""Number of tokens that a model may generate for an answer or a sequence of calls."""
 
 
 class Interpreter:
-    """Holds the agents, what each understands, and what was said. Used from one thread; `plain` may
-    be asked from any.
+    """Holds the agents, what each understands, and the history. One thread uses it.
+
+    Only `plain` may be called from any thread.
     """
 
     def __init__(
@@ -94,7 +95,7 @@ class Interpreter:
         return [*opening, *self._history.messages(), *said]
 
     def understand(self, text: str, turn: Turn) -> Meaning | None:
-        """The calls that an utterance asks for; None if it was answered in words, into `turn`."""
+        """The meaning of an utterance; None if `turn` has answered it in words."""
         plain = self.plain(text)
         if isinstance(plain, Meaning) and not _goes_back_from_there(plain):
             self._hand_over(plain.agent, turn)
@@ -109,7 +110,7 @@ class Interpreter:
         meaning = self._read(text, turn)
         if meaning and not (program and _drives(meaning)):
             return meaning
-        if meaning and isinstance(program, Unclear):  # not now, whatever it is
+        if meaning and isinstance(program, Unclear):  # not for now, so not done
             self._say_unclear(turn)
             return None
         if meaning := self._said_instead(text, turn) or self._sounds_like(text, turn):
@@ -124,7 +125,7 @@ class Interpreter:
         return self._ask_model(self._model, text, turn)
 
     def plain(self, text: str) -> Meaning | RefusedCommand | None:
-        """The calls that the templates alone find, or what they refuse; nothing is said."""
+        """The meaning or the refusal that the templates alone find; says nothing."""
         for agent in self._active_first():
             found = self._recognisers[agent.name].recognise(text)
             if isinstance(found, Understood):
@@ -135,14 +136,14 @@ class Interpreter:
         return None
 
     def _plain_calls(self, text: str) -> Sequence[Call] | RefusedCommand | None:
-        """What `plain` finds and is sure of, for a program to hold."""
+        """The calls that `plain` is sure of, for a program to hold."""
         plain = self.plain(text)
         if isinstance(plain, Meaning):
             return plain.calls if plain.sure and not _goes_back_from_there(plain) else None
         return plain
 
     def _free_calls(self, text: str) -> Sequence[Call] | RefusedCommand | None:
-        """The same, or what a reading finds that is sure."""
+        """The calls that `plain` finds, or those of a sure reading."""
         plain = self.plain(text)
         if isinstance(plain, Meaning) and not _goes_back_from_there(plain):
             return plain.calls
@@ -151,7 +152,7 @@ class Interpreter:
         return decided[1].calls if decided and decided[1].sure else found
 
     def _read(self, text: str, turn: Turn) -> Meaning | None:
-        """What the first agent would do who could be meant; none of them without a judge."""
+        """The reading of the first agent that could be meant; None without a decider."""
         if decided := self._decide(text):
             agent, decision = decided
             self._hand_over(agent, turn)
@@ -161,12 +162,12 @@ class Interpreter:
         return None
 
     def as_heard(self, meaning: Meaning, turn: Turn) -> Meaning:
-        """The same, asked about if its words were hardly heard, or another order is as likely."""
+        """The meaning, unsure if its words were hardly heard or another order is as likely."""
         contested = is_contested(meaning, turn.others, self.plain)
         return meaning.heard(0.0 if contested else turn.hearing)
 
     def _said_instead(self, text: str, turn: Turn) -> Meaning | None:
-        """The plain command among what else may have been said; what is denied is not misheard."""
+        """The plain command among the other hypotheses; None for words that deny or put off."""
         found = likeliest(turn.others, self.plain)
         if found is None or self._is_held_back(text):
             return None
@@ -174,9 +175,9 @@ class Interpreter:
         return found
 
     def _sounds_like(self, text: str, turn: Turn) -> Meaning | None:
-        """What spoken words sound like that mean nothing themselves: never sure that it is meant.
+        """The command that meaningless spoken words sound like, never sure.
 
-        What is denied or told is not misheard, and what is typed sounds like nothing.
+        None for typed words, and for words that deny, tell or put off something.
         """
         if turn.way is not Way.VOICE or self._is_held_back(text):
             return None
@@ -188,7 +189,7 @@ class Interpreter:
         return None
 
     def _is_held_back(self, text: str) -> bool:
-        """Whether something in these words says that they are no order, or not for now."""
+        """True if these words say that they are no order, or not for now."""
         for readings in (self._readings[agent.name] for agent in self._active_first()):
             judged = readings.of(text)
             if readings.hold_back(text) or (judged is not None and judged.held_back):
@@ -205,7 +206,7 @@ class Interpreter:
         return None
 
     def remember(self, said: str, turn: Turn, meaning: Meaning | None) -> None:
-        """Keep an exchange for the next ones, but for a question: a model would ask the like."""
+        """Add an exchange to the history, unless it asked: a model would imitate the question."""
         if turn.outcome is Outcome.ASKED:
             return
         protocol = self._protocols[self.active.name]
@@ -215,13 +216,13 @@ class Interpreter:
         self._history.add(said, answer, cut=turn.cut)
 
     def forget(self) -> None:
-        """Forget what was said; the first agent listens again."""
+        """Clear the history and go back to the first agent."""
         self._history.clear()
         self.active = next(iter(self._agents.values()))
 
     def _ask_model(self, model: LanguageModel, text: str, turn: Turn) -> Meaning | None:
         ordered = self._decider is not None and self._decider.is_order(text)
-        had: list[str] = []  # so that two agents cannot hand it to and fro
+        had: list[str] = []  # so that two agents cannot hand over forever
         while len(had) <= MAX_HANDOFFS:
             had.append(self.active.name)
             protocol = self._protocol().without(had)
@@ -233,7 +234,7 @@ class Interpreter:
                     return None
                 return Meaning(self.active, tuple(calls), "model", ASK_FROM)
             if not calls:
-                if not turn.text and not turn.token.cancelled:  # it called what it may not
+                if not turn.text and not turn.token.cancelled:  # only forbidden calls
                     self._say_not_understood(turn)
                 return None
             self._hand_over(self._agents[str(handoffs[0].arguments["agent"])], turn)
@@ -241,7 +242,7 @@ class Interpreter:
         return None
 
     def _leaves_out(self, calls: Sequence[Call], text: str) -> bool:
-        """Whether a model's calls would do something without what holds it back or changes it."""
+        """True if a model's calls act although words left out of them change or deny the order."""
         skills = self.active.every_skill
         if not any(skills[call.skill].drives or skills[call.skill].lasting for call in calls):
             return False
@@ -283,7 +284,7 @@ class Interpreter:
         )
 
     def _protocol(self) -> Protocol:
-        """That of the agent who talks, with the words that there are now to choose from."""
+        """The protocol of the active agent, with the present words of its arguments."""
         name = self.active.name
         self._protocols[name] = self._protocols[name].renewed()
         return self._protocols[name]
@@ -315,10 +316,10 @@ def _drives(meaning: Meaning) -> bool:
 
 
 def _goes_back_from_there(meaning: Meaning) -> bool:
-    """Whether to go back follows another order: then it is about where that one began."""
+    """True if going back follows another call: then it means the start of that call's motion."""
     return any(call.skill == BACK for call in meaning.calls[1:])
 
 
 def _for_models(agent: Agent) -> SkillSet:
-    """What a model may call: what no reading can fill in, since it takes any words."""
+    """The skills that a model may call: they take any words, which no reading can fill in."""
     return SkillSet(one for one in agent.skills.values() if one.free_text)

@@ -1,13 +1,10 @@
-"""The words of a set of skills in one language: which speak for which skill, and which for none.
+"""The lexicon: weights of words for skills, function words, and tokens, for one language.
 
-All of it comes from what the skills and the phrasebook bring anyway: their templates, examples and
-words. A word that only one skill's sentences hold says much, one that all hold says nothing.
-
-Finds many phrases in a sentence at once.
-
-The small words that say how a sentence is meant: `[function_words]` of a language's file.
-
-A sentence as words, numbers and marks, in the one spelling that everything is compared in.
+- `FunctionWords`: small words that tell how a sentence is meant, from `[function_words]`.
+- `Tokenizer`: splits a sentence into words, numbers and marks in one spelling (`plain`).
+- `PhraseIndex`: finds many phrases in a sentence at once.
+- `Lexicon`: weighs words by the skills' templates and examples. A word in one skill's sentences
+  weighs much, a word in all sentences nothing.
 """
 
 import math
@@ -30,53 +27,58 @@ from edgevox.core.language_files import language_file
 
 @dataclass(frozen=True, slots=True)
 class FunctionWords:
-    """What is said around a command, in one language.
-
-    `fillers` mean nothing to a robot. `urges` are said to whoever should do something, where
-    nothing else says so: "kitchen, quickly". `negations` deny what follows. `corrections` take back
-    what came before. `reports` tell what somebody said or needs, `conditions` what was, will be or
-    might be, and `doubts` speak of others than the robot; `questions` open one. `asking` opens an
-    order that is put politely, so that it is one although it looks like a question. `wishes` open
-    one that is put as a statement: "you' re needed". `reasons` open a clause that only says why.
-    `reversals` say that the order of doing is not that of saying. `plans` are what the speaker or
-    others do themselves, `pronouns` stand for a thing. `linking` stand between an axis and its
-    number, `gerunds` before a verb that stands for its order: "interpreter going". `copulas` stand
-    beside a name of which something is told: "the kitchen' s over there". `misheard` are words as a
-    recogniser of speech writes them down, with those that were said.
-
-    `abilities` may ask what somebody can do, and not for it. `amounts` are parts of numbers, units
-    and times: one that no value took leaves no order.
-    `number_marks` are so only beside a number: "two point five". So are `bounds`: "at least two".
-    `put_off` say that an order is not for now; one that ends in " ." must end the sentence, and one
-    that begins with ". " begin it.
-    """
+    """The words around commands, in one language."""
 
     fillers: tuple[str, ...] = ()
+    """Words without a meaning for a robot."""
     urges: tuple[str, ...] = ()
+    """Words that ask for action where nothing else does: "kitchen, quickly"."""
     negations: tuple[str, ...] = ()
+    """Words that deny the words after them."""
     corrections: tuple[str, ...] = ()
+    """Words that take back the words before them."""
     reports: tuple[str, ...] = ()
+    """Words that tell what a person said or needs."""
     conditions: tuple[str, ...] = ()
+    """Words that tell what was, will be or might be."""
     doubts: tuple[str, ...] = ()
+    """Words about people or things other than the robot."""
     questions: tuple[str, ...] = ()
+    """Words that open a question."""
     asking: tuple[str, ...] = ()
+    """Words that open a polite order, which looks like a question."""
     wishes: tuple[str, ...] = ()
+    """Words that open an order in the form of a statement: "you' re needed"."""
     reasons: tuple[str, ...] = ()
+    """Words that open a clause with a reason."""
     reversals: tuple[str, ...] = ()
+    """Words that reverse the order of doing."""
     plans: tuple[str, ...] = ()
+    """Words about what the speaker or others do themselves."""
     pronouns: tuple[str, ...] = ()
+    """Words that stand for a thing."""
     linking: tuple[str, ...] = ()
+    """Words between an axis and its number."""
     gerunds: tuple[str, ...] = ()
+    """Words before a gerund that stands for an order: "interpreter going"."""
     copulas: tuple[str, ...] = ()
+    """Words beside a name that tell something about it: "the kitchen' s over there"."""
     abilities: tuple[str, ...] = ()
+    """Words that may ask about an ability instead of for the action."""
     amounts: tuple[str, ...] = ()
+    """Parts of numbers, units and times; the sentence is no order if no value took them."""
     number_marks: tuple[str, ...] = ()
+    """Amounts only beside a number: "two point five"."""
     bounds: tuple[str, ...] = ()
+    """Bounds of a number, only beside it: "at least two"."""
     put_off: tuple[str, ...] = ()
+    """Words that put an order off. One with " ." at its end must end the sentence; one with ". " at
+    its beginning must begin it."""
     misheard: Mapping[str, str] = field(default_factory=dict)
+    """Words as speech recognition writes them, with the words that were said."""
 
     def all(self) -> tuple[str, ...]:
-        """Every one of them."""
+        """All words that tell how a sentence is meant."""
         return (
             *self.fillers, *self.urges, *self.negations, *self.corrections, *self.reports,
             *self.conditions, *self.doubts, *self.questions, *self.asking, *self.wishes,
@@ -87,7 +89,7 @@ class FunctionWords:
 
 @cache
 def words_of(code: str) -> FunctionWords:
-    """Those of a language of the catalogue; none if its file has none."""
+    """The function words of a language of the catalogue; empty if its file has none."""
     table: Mapping[str, Any] = language_file(code).get("function_words", {})
     return FunctionWords(
         misheard=table.get("misheard", {}),
@@ -100,16 +102,16 @@ Words = tuple[str, ...]
 _MARKS = r"[,;.!?:\u2026\u3001\u3002\u060c\u061b\u061f\u0964]+"
 _ORDINAL = r"\d+(?:st|nd|rd|th)\b"
 WORD = r"(?:[^\W\d_]|[\u0900-\u0963])+'?"
-"""A word; the vowels and joiners of Devanagari are no letters to `re`, and part of one."""
+"""Pattern of a word; `re` takes the vowels and joiners of Devanagari for no letters."""
 _TOKEN = re.compile(rf"{_ORDINAL}|(?<![\d.]){NUMBER}|{WORD}|{_MARKS}|%|\u00b0")
 _IS_NUMBER = re.compile(NUMBER)
 _IS_MARK = re.compile(_MARKS)
 _JOINING = frozenset({0, 8, 9})
-"""The combining classes of marks that make another letter or join two: kana voicing, virama."""
+"""Combining classes of marks that make another letter or join two: kana voicing, virama."""
 
 
 def plain(text: str) -> str:
-    """One spelling: no accents, no vowel points, no capitals, words that a mark joins apart."""
+    """Spell a text in one way: no accents, vowel points or capitals, and joined words apart."""
     spelled = folded(separated(one_form(text.replace("_", " ")))).casefold()
     if spelled.isascii():
         return spelled
@@ -117,20 +119,20 @@ def plain(text: str) -> str:
 
 
 def is_number(token: str) -> bool:
-    """Whether this token is written in digits."""
+    """True if this token is a number in digits."""
     return bool(_IS_NUMBER.fullmatch(token))
 
 
 def is_mark(token: str) -> bool:
-    """Whether this token is punctuation."""
+    """True if this token is punctuation."""
     return bool(_IS_MARK.fullmatch(token))
 
 
 class Tokenizer:
-    """Splits sentences of one language.
+    """Splits sentences of one language into tokens.
 
-    Where words have no spaces between them the longest that is known counts, and what is not known
-    falls into single characters.
+    In a language without spaces the longest known word counts, and unknown text falls into single
+    characters.
     """
 
     def __init__(self, book: Phrasebook, known: Iterable[str]) -> None:
@@ -158,13 +160,13 @@ class Tokenizer:
 
 
 def find(tokens: Sequence[str], phrase: Words) -> list[int]:
-    """Where this phrase begins among these tokens."""
+    """Indices at which a phrase begins among tokens."""
     size = len(phrase)
     return [i for i in range(len(tokens) - size + 1) if tuple(tokens[i : i + size]) == phrase]
 
 
 class PhraseIndex:
-    """Phrases by their first words, so that a sentence is walked through once."""
+    """Phrases by their first words, so that one pass through a sentence finds all."""
 
     def __init__(self, phrases: Iterable[Words]) -> None:
         self._by_first: dict[str, list[Words]] = {}
@@ -173,20 +175,20 @@ class PhraseIndex:
                 self._by_first.setdefault(one[0], []).append(one)
 
     def find(self, tokens: Sequence[str]) -> Iterator[tuple[int, Words]]:
-        """Each phrase that stands there, with where it begins."""
+        """Each phrase among the tokens, with the index of its first word."""
         for at, token in enumerate(tokens):
             for phrase in self._by_first.get(token, ()):
                 if tuple(tokens[at : at + len(phrase)]) == phrase:
                     yield at, phrase
 
     def places(self, tokens: Sequence[str]) -> frozenset[int]:
-        """Where the words of these phrases stand."""
+        """Indices of all words of these phrases."""
         return frozenset(
             at for start, one in self.find(tokens) for at in range(start, start + len(one))
         )
 
     def starts(self, tokens: Sequence[str]) -> frozenset[int]:
-        """Where these phrases begin."""
+        """Indices at which these phrases begin."""
         return frozenset(start for start, _ in self.find(tokens))
 
 
@@ -196,38 +198,40 @@ _BEHIND_SLOT = re.compile(r"\{\w+\}\s*(\([^()]*\)|\[[^\[\]]*\]|[^\s\[\](){}|]+)"
 _NAME_WORDS = re.compile(r"[a-z]+")
 _WORD = re.compile(WORD)
 _FILLER_WEIGHT = 0.1
-"""What a word counts that may mean nothing as well: "up", "got"."""
+"""Weight of a word that may also mean nothing: "up", "got"."""
 _EXAMPLE_WEIGHT = 0.25
-"""What a word of an example counts, against one of a template: examples are of few people."""
+"""Weight of a word of an example; a template's word has 1. Examples come from few people."""
 _SHORTEST_MIXED = 4
 _SHORTEST_SLIP = 6
-"""Shorter words are too often others when one letter differs."""
+"""Least letters of a word to correct one letter: in shorter ones it often makes another word."""
 _EVERYWHERE = 0.6
-"""A word that this share of the skills knows belongs to none of them."""
+"""Share of the skills from which on a word that they know speaks for none of them."""
 
 
 @dataclass(frozen=True, slots=True)
 class SkillWords:
-    """What is known of one skill's language: words with their weights, and the units of numbers.
-
-    `shown` are the words that only its examples hold, `measures` the `amounts` of its templates.
-    """
+    """The words of one skill."""
 
     skill: Skill
+    """The skill."""
     weights: Mapping[str, float]
+    """Words that speak for the skill, with their weights."""
     units: Mapping[str, frozenset[str]]
+    """Words right after a number, by argument."""
     shown: frozenset[str]
+    """Words that only its examples hold."""
     measures: frozenset[str]
+    """`amounts` that its templates have after a number."""
 
     @property
     def numbers(self) -> tuple[str, ...]:
-        """The arguments that are numbers, in their order."""
+        """Names of the arguments that are numbers, in their order."""
         fields = self.skill.arguments_model.model_fields
         return tuple(name for name, info in fields.items() if is_number_type(info.annotation))
 
 
 class Lexicon:
-    """The words of these skills in this language, and how sentences of it are split."""
+    """The words of a set of skills in one language, and its tokenizer."""
 
     def __init__(self, skills: SkillSet, book: Phrasebook) -> None:
         self.book = book
@@ -267,23 +271,24 @@ class Lexicon:
         }
 
     def knows(self, word: str) -> bool:
-        """Whether it is a word of some skill, or means nothing to any."""
+        """True for a word of a skill, of a name, or of the function words."""
         return self.speaks(word) or word in self._functions or word in self._named
 
     def in_a_name(self, word: str) -> bool:
-        """Whether it is a word of some name."""
+        """True for a word of a name."""
         return word in self._named
 
     def phrase(self, text: str) -> Words:
-        """Words of the language's tables as they stand in sentences: "1st" for "first"."""
+        """The tokens of a phrase from the tables, as in sentences: "1st" for "first"."""
         if text not in self._phrases:
             self._phrases[text] = self.tokenize(digits(text, self.book.code))
         return self._phrases[text]
 
     def as_written(self, phrases: tuple[str, ...]) -> PhraseIndex:
-        """The same as `index`, of words whose numbers stay words as well.
+        """An index as `index`, but with number words kept as words.
 
-        "Metre" is no "1 metre", and "in a second" also "in a 2nd" where it has several words.
+        "Metre" must not become "1 metre". A phrase of several words counts in both forms: "in a
+        second" and "in a 2nd".
         """
         if phrases not in self._written:
             several = (one for one in map(self.phrase, phrases) if len(one) > 1)
@@ -291,13 +296,13 @@ class Lexicon:
         return self._written[phrases]
 
     def index(self, phrases: tuple[str, ...]) -> PhraseIndex:
-        """What finds these in sentences."""
+        """The index that finds these phrases in sentences."""
         if phrases not in self._indices:
             self._indices[phrases] = PhraseIndex(map(self.phrase, phrases))
         return self._indices[phrases]
 
     def spelled(self, tokens: Words) -> Words:
-        """With unknown words as those that were meant: see `_spelled`."""
+        """The tokens with misheard and misspelt words corrected: see `_spelled`."""
         for written, said in self._misheard:
             for at in reversed(find(tokens, written)):
                 tokens = (*tokens[:at], *said, *tokens[at + len(written) :])
@@ -306,10 +311,10 @@ class Lexicon:
         )
 
     def _spelled(self, word: str, before: Words) -> str:
-        """The word that was meant, where this one is unknown: "trun" is "turn".
+        """The known word that an unknown one stands for: "trun" is "turn".
 
-        That is one of the same letters, one that differs in one letter, or the verb that a gerund
-        is of, where one may stand.
+        A known word has the same letters or differs in one letter; or it is the verb of a gerund,
+        after a word that allows one.
         """
         if self.knows(word):
             return word
@@ -324,14 +329,14 @@ class Lexicon:
         return next((one for one in near if _is_one_off(word, one)), word)
 
     def says_a_point(self, word: str) -> bool:
-        """Whether it is a word of skills that take several numbers, and of no other ones."""
+        """True for a word of skills that take several numbers, and of no other skills."""
         knowing = [one for one in self.words.values() if word in one.weights]
         several = [one for one in knowing if len(one.numbers) > 1]
         others = [one for one in knowing if one.skill.choices or len(one.numbers) == 1]
         return bool(several) and not others
 
     def speaks(self, word: str) -> bool:
-        """Whether it speaks for some skill."""
+        """True for a word of some skill's sentences."""
         return word in self.common or any(word in one.weights for one in self.words.values())
 
     def _weigh(
@@ -360,7 +365,7 @@ class Lexicon:
         return common, words
 
     def _measures(self, one: Skill) -> frozenset[str]:
-        """The units that stand right behind a number in its templates."""
+        """The amounts that stand right after a number in a skill's templates."""
         texts = (plain(self.book.written_out(one)) for one in self.book.templates(one))
         written = [found[1] for text in texts for found in _BEHIND_SLOT.finditer(text)]
         words = {plain(amount) for amount in self.function_words.amounts}
@@ -369,9 +374,10 @@ class Lexicon:
         return frozenset(words & {word for text in written for word in _WORD.findall(text)})
 
     def _name_words(self, chunks: Mapping[str, Mapping[str, float]]) -> dict[str, int]:
-        """The words of skills' names that tell skills apart, and how many names hold each.
+        """Words of skills' names that tell skills apart, each with the number of those names.
 
-        They count for these skills alone, whatever the courtesies of others hold: "right now".
+        They count for these skills alone, even if a courtesy of other skills holds them: "right
+        now".
         """
         if self.book.fallback is not None:
             return {}
@@ -384,12 +390,12 @@ class Lexicon:
 
 
 def _letters(word: str) -> tuple[str, str]:
-    """What a word has in common with those of which somebody typed two letters the wrong way."""
+    """A key that a word shares with all reorderings of its letters after the first."""
     return word[:1], "".join(sorted(word))
 
 
 def _is_one_off(one: str, other: str) -> bool:
-    """Whether one letter was left out, put in, or is another; never the first."""
+    """True if the words differ in one letter, missing, added or replaced, but not the first."""
     if one[0] != other[0] or abs(len(one) - len(other)) > 1:
         return False
     same = next((i for i, (a, b) in enumerate(zip(one, other, strict=False)) if a != b), None)
@@ -410,7 +416,7 @@ def _spoken(words: Sequence[str], heard: Mapping[str, str]) -> dict[str, str]:
 
 
 def _chunks(one: Skill, book: Phrasebook, fillers: frozenset[str]) -> dict[str, float]:
-    """The words of a skill's sentences; those of its templates count fully."""
+    """The words of a skill's sentences with their weights, 1 for those of its templates."""
     templates = [book.written_out(template) for template in book.templates(one)]
     said = _words([example.sentence for example in book.examples(one)])
     found = dict.fromkeys(said - fillers, _EXAMPLE_WEIGHT)
@@ -428,7 +434,7 @@ def _words(sentences: Iterable[str]) -> set[str]:
 
 
 def _units(one: Skill, book: Phrasebook) -> dict[str, frozenset[str]]:
-    """What is said right after a number, by argument."""
+    """Words right after a number in a skill's templates, by argument."""
     units: dict[str, set[str]] = {}
     for template in book.templates(one):
         written = plain(book.written_out(template))

@@ -1,7 +1,4 @@
-"""What an utterance means: the calls, or the program, and how sure that is.
-
-Says how sure it is that a reading of a sentence is what the speaker wants done, now.
-"""
+"""The meaning of an utterance, and the trained head that gives a reading its confidence."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -17,54 +14,54 @@ from edgevox.agent.nlu.orders import Program, calls_of
 from edgevox.agent.skills import Call
 
 HEAD_FILE = "head.npz"
-"""Made by `training/decision/train.py`."""
+"""Name of the head's file, made by `training/decision/train.py`."""
 
 ASK_FROM, SURE_FROM = 0.5, 0.8
-"""Below the first nothing is done, from the second on it is done unasked; between, one asks."""
+"""Confidences from which on the robot asks, and acts without asking; below both it does nothing."""
 
 HEARD_FROM = 0.8
-"""A motion whose words are less sure to have been said is asked about; and so is one that was read
-into words that no template knows, where both together are less sure, multiplied. Of 1,152 commands
-by voices to tune with (`training/acoustics`), in noise at 10, 5 and 0 dB, none wrong was done,
-with words that were only expected held for less sure (`edgevox.voice.stt.plausible`); with 0.75
-one was."""
+"""Product of the confidences of hearing and of meaning below which the robot asks before a motion.
+Of 1,152 commands by the tuning voices (`training/acoustics`), in noise at 10, 5 and 0 dB, no wrong
+one was done, with a lower confidence for words that were only expected
+(`edgevox.voice.stt.plausible`); with 0.75 one was."""
 
 
 @dataclass(frozen=True, slots=True)
 class Head:
-    """Two logistic regressions.
-
-    One is over what the encoder makes of a sentence, and tells an order from anything else that is
-    said; the other over that and the evidence of a reading.
-
-    `ask` and `sure` are the likelihoods from which to ask and to act.
-    """
+    """Two logistic regressions: one tells orders from other sentences, one judges a reading."""
 
     order_weights: Floats
+    """Weights of the encoder's features, shape (size,)."""
     order_bias: float
+    """Bias of the first regression."""
     names: tuple[str, ...]
+    """Names of the evidence, in the order of `weights`."""
     weights: Floats
+    """Weights of the evidence, and last that of the first regression's logit."""
     bias: float
+    """Bias of the second regression."""
     ask: float
+    """Likelihood from which on to ask."""
     sure: float
+    """Likelihood from which on to act."""
 
     def order(self, features: Floats) -> float:
-        """The logit of a sentence being an order to whoever hears it."""
+        """Logit of a sentence to be an order to the hearer."""
         return float(features @ self.order_weights + self.order_bias)
 
     def likelihood(self, order: float, evidence: Mapping[str, float]) -> float:
-        """Of a reading being meant."""
+        """Likelihood of a reading to be meant, from 0 to 1."""
         values = np.array([*(float(evidence[name]) for name in self.names), order])
         return float(1 / (1 + np.exp(-(values @ self.weights + self.bias))))
 
     def confidence(self, likelihood: float) -> float:
-        """The same on the scale on which 0.5 asks and `SURE_FROM` acts, rising with it."""
+        """The likelihood on the scale on which `ASK_FROM` asks and `SURE_FROM` acts."""
         known = (0.0, self.ask, self.sure, 1.0)
         return float(np.interp(likelihood, known, (0.0, ASK_FROM, SURE_FROM, 1.0)))
 
 
 def read_head() -> Head:
-    """The one that this package brings."""
+    """The head that this package brings."""
     with np.load(BytesIO(files(__package__).joinpath(HEAD_FILE).read_bytes())) as data:
         return head_of(data)
 
@@ -84,36 +81,36 @@ def head_of(data: Mapping[str, Any]) -> Head:
 
 @dataclass(frozen=True, slots=True)
 class Meaning:
-    """What to do about an utterance, and who found it out: ``template``, ``reading`` or ``model``.
-
-    `confidence` is that it is meant: 1 for a template; from `SURE_FROM` on it is to be done, below
-    that somebody is to be asked. What is to be done later or more than once is a `program`, and
-    has no `calls` to do at once.
-    """
+    """The meaning of an utterance: calls to do at once, or a program."""
 
     agent: Agent
+    """The agent whose skills are called."""
     calls: tuple[Call, ...]
+    """Calls to do at once; empty for a program."""
     source: str
+    """The stage that found the meaning: ``template``, ``reading`` or ``model``."""
     confidence: float = 1.0
+    """Confidence in the meaning, 1 for a template; below `SURE_FROM` the robot asks."""
     program: Program | None = None
+    """An order for later, or for more than once."""
 
     @property
     def sure(self) -> bool:
-        """Whether to do it without asking."""
+        """True if it may be done without asking."""
         return self.confidence >= SURE_FROM
 
     @property
     def measured(self) -> float | None:
-        """How sure it is, where something measured that: nobody knows how sure a model is."""
+        """The confidence; None for a language model, which measures none."""
         return None if self.source == "model" else self.confidence
 
     def heard(self, confidence: float) -> "Meaning":
-        """The same of words that are so sure to have been said: asked about if both are not."""
+        """The meaning of words with this recognition confidence; unsure if the product is low."""
         if self.confidence * confidence >= HEARD_FROM:
             return self
         return replace(self, confidence=min(self.confidence, ASK_FROM))
 
     @property
     def every_call(self) -> tuple[Call, ...]:
-        """All that may be called, those inside the program too."""
+        """All calls, those inside the program included."""
         return calls_of(self.program) if self.program else self.calls

@@ -1,11 +1,8 @@
-"""Reads programs out of sentences, by templates alone: no language model ever makes one.
+"""The reader of programs in sentences, by templates alone: no language model ever makes one.
 
-Sentence templates of programs as regular expressions, whose slots are whole orders.
-
-The recogniser of skills takes whole sentences; these take sentences apart, and what is in their
-slots goes to it.
-
-The numbers of a sentence that only programs have: "twice", "half an hour", 五分.
+The templates become regular expressions whose slots are whole orders: they take a sentence apart,
+and the recogniser of skills reads each order. `rewritten` turns number words that only programs use
+into digits: "twice", "half an hour", 五分.
 """
 
 import re
@@ -54,7 +51,7 @@ _NUMERAL = f"[{''.join(_DIGITS)}{''.join(_TENS)}]+"
 
 
 def rewritten(text: str, phrases: ProgramPhrases) -> str:
-    """The same text with these numbers as digits, and what the language rewrites rewritten."""
+    """The text with program numbers as digits, and with the language's rewritings."""
     if phrases.units:
         ahead = f"(?<={phrases.ahead}){_NUMERAL}|(?!{phrases.ahead})" if phrases.ahead else ""
         numerals = rf"{ahead}{_NUMERAL}(?=\s*(?:{phrases.units}))"
@@ -89,10 +86,10 @@ _NUMBER = r"\d+(?:\.\d+)?(?: \d)?"
 
 
 class Pattern:
-    """One template. `text` is what `spelled` made of a sentence.
+    """One template as a regular expression.
 
-    Its expression is made when a sentence first has the words that the template cannot do without:
-    to make them all takes longer than the rest of a language, and most are never asked for.
+    The expression is built when a sentence first holds the words that the template requires:
+    building all takes longer than the rest of a language, and most are never needed.
     """
 
     def __init__(self, shared: "_ProgramRules", template: Sentence) -> None:
@@ -102,7 +99,10 @@ class Pattern:
         self.wants_number = not NUMBERS.isdisjoint(template.list_names(shared.rules))
 
     def slots(self, text: str, *, anywhere: bool = False) -> dict[str, str] | None:
-        """What stands in the slots if the whole text is this, or with `anywhere` a part of it."""
+        """The slots' contents if the template fits the whole text; with `anywhere`, a part of it.
+
+        `text` must come from `spelled`.
+        """
         read = folded(text)
         said = read.casefold()
         if not all(any(word in said for word in some) for some in self._needed):
@@ -121,9 +121,9 @@ class Pattern:
 
 @lru_cache(maxsize=8)
 def spelled(text: str, code: str) -> str:
-    """A sentence of a language as its patterns read it, with its numbers as digits.
+    """A sentence as the patterns of a language read it, with its numbers as digits.
 
-    Whoever looks for a program, and for a question about one, asks for the same sentence.
+    Cached: the readers of programs and of questions about programs ask for the same sentence.
     """
     plainly = digits(" ".join(text.split()), code)
     return rewritten(_prepared(plainly), phrasebook(code).programs)
@@ -131,14 +131,14 @@ def spelled(text: str, code: str) -> str:
 
 @lru_cache
 def patterns_of(code: str, kinds: tuple[str, ...]) -> Mapping[str, tuple[Pattern, ...]]:
-    """The patterns of a language by these kinds of its templates."""
+    """The patterns of a language for these kinds of templates."""
     templates = phrasebook(code).programs.templates
     return {kind: tuple(_pattern(code, one) for one in templates.get(kind, ())) for kind in kinds}
 
 
 @lru_cache
 def marks_of(code: str, rules: tuple[str, ...]) -> tuple[Pattern, ...]:
-    """The patterns of these rules of a language by themselves, of those that it has."""
+    """The patterns of these rules alone, as far as the language has them."""
     return tuple(_pattern(code, f"<{rule}>") for rule in rules if rule in _rules_of(code).rules)
 
 
@@ -147,13 +147,13 @@ def _pattern(code: str, template: str) -> Pattern:
 
 
 def number(said: str) -> float:
-    """The number that a slot holds; "20 5" is twenty and five."""
+    """The number in a slot; "20 5" is twenty plus five."""
     return sum(float(part) for part in said.split())
 
 
 @dataclass(frozen=True, slots=True)
 class _ProgramRules:
-    """What the templates of a language share; `spaced`: there are spaces between its words."""
+    """Rules that the templates of a language share; `spaced` if it puts spaces between words."""
 
     rules: dict[str, Sentence]
     spaced: bool
@@ -167,7 +167,7 @@ def _rules_of(code: str) -> _ProgramRules:
 
 
 class _Writer:
-    """Writes an expression as a regular one. A slot may stand in it more than once."""
+    """Writes a template expression as a regular expression, which may repeat a slot."""
 
     def __init__(self, shared: _ProgramRules) -> None:
         self._rules = shared.rules
@@ -211,7 +211,7 @@ class _Writer:
 
 
 def _prepared(text: str) -> str:
-    """A text as patterns read it: letters, accents and apostrophes in one form."""
+    """A text with letters, accents and apostrophes in one form, without outer punctuation."""
     return " ".join(separated(one_form(text)).split()).strip(" .,;:!?\u3002\u0964\u061f")
 
 
@@ -220,29 +220,29 @@ def _parsed(template: str) -> Sentence:
 
 
 Plain = Callable[[str], Sequence[Call] | RefusedCommand | None]
-"""The calls that a plain command is, by the templates of the skills."""
+"""Reads a plain command by the templates of the skills: its calls, a refusal, or None."""
 
 DEEPEST = 4
-"""How many wrappers one sentence may have around a plain command."""
+"""Number of wrappers that one sentence may have around a plain command."""
 _SECONDS = {"hours": 3600.0, "minutes": 60.0, "seconds": 1.0}
 _KINDS = ("low", "after", "until", "times", "arrived", "saying", "back", "patrol", "say")
 """The kinds of wrappers, the outermost first."""
 _MARKS = ("later", "low")
-"""The rules that tell that an order is for later."""
+"""Rules that mark an order for later."""
 _AT_ONCE = ("until", "times", "arrived", "saying", "back")
-"""Wrappers around what is done on the spot: nothing in them may wait for its time."""
+"""Wrappers around orders for now: no order inside may wait for its time."""
 
 
 @dataclass(frozen=True, slots=True)
 class Unclear:
-    """An order for later whose inside is no plain command."""
+    """An order for later whose inner order is no plain command."""
 
 
 Read = Program | RefusedCommand | Unclear | None
 
 
 class ProgramReader:
-    """Reads the sentences of one language, and English ones."""
+    """Reads programs in sentences of one language and of English."""
 
     def __init__(self, language: str = ENGLISH) -> None:
         self._language = language
@@ -250,10 +250,10 @@ class ProgramReader:
         self._languages = [_ProgramLanguage(phrasebook(code)) for code in codes]
 
     def understand(self, text: str, plain: Plain, free: Plain) -> tuple[Read, bool]:
-        """As `read`, and whether the templates alone say so.
+        """The result of `read`, and whether it comes from templates alone.
 
-        Only where they do not, `free` reads what stands inside, which knows more words than
-        `plain` and is less sure; what is only one after another is a reading by itself.
+        If `plain` reads no program, `free` reads the inner orders: it knows more words and is less
+        sure. A mere sequence of orders that only `free` reads is left to the reading of sentences.
         """
         strict = self.read(text, plain)
         if isinstance(strict, Program):
@@ -264,7 +264,7 @@ class ProgramReader:
         return strict, True
 
     def read(self, text: str, plain: Plain) -> Read:
-        """The program that a sentence is; None for none. It is no plain command by itself."""
+        """The program of a sentence that is no plain command; None if it holds none."""
         if len(text) > MAX_CHARACTERS or not is_exact(text, self._language):
             return None
         found: Read = None
@@ -289,7 +289,7 @@ class _ProgramLanguage:
         self._between = re.compile(rf"\s*[,\u3001\u060c]\s*(?:{joint})?|{joint}", re.IGNORECASE)
 
     def whole(self, text: str, plain: Plain) -> Read:
-        """What all of it is."""
+        """The program of the whole text."""
         words = spelled(text, self._book.code)
         read = self._wrapped(words, plain, DEEPEST)
         if isinstance(read, Say):
@@ -340,14 +340,14 @@ class _ProgramLanguage:
         return _around(kind, order, slots)
 
     def _order(self, slots: dict[str, str]) -> str:
-        """The order, also where the wrapper stands in the middle of it."""
+        """The inner order, even if the wrapper stands in the middle of it."""
         space = " " if self._book.hearing.spaced else ""
         return space.join(slots[name] for name in ("order", "rest") if name in slots)
 
     def _then(
         self, order: Program, slots: dict[str, str], plain: Plain, left: int
     ) -> Program | RefusedCommand | None:
-        """One after another; what is said of an order that is under way waits for its end."""
+        """Two orders in sequence; after "when you are there" the second waits for the motion."""
         after: Program | RefusedCommand | None = (
             self._said(slots["words"])
             if "words" in slots
@@ -360,12 +360,12 @@ class _ProgramLanguage:
         return None if _waits(after) else Steps((order, after))
 
     def _said(self, words: str) -> Say | None:
-        """What is to be said aloud; None of what somebody wants to be told."""
+        """The words to say aloud; None if the person wants to be told something."""
         asked = words.split(" ", maxsplit=1)[0].casefold() in self._book.programs.me
         return None if asked else Say(words.replace("' ", "'"))
 
     def _patrol(self, places: str, plain: Plain) -> Program | RefusedCommand | None:
-        """To each of these places in turn, until it is stopped."""
+        """A patrol of these places, until it is stopped."""
         calls: list[Call] = []
         for place in filter(None, map(str.strip, self._between.split(places))):
             found = plain(self._book.programs.go.replace("{place}", place))
@@ -397,7 +397,7 @@ def _is_joined(program: Program) -> bool:
 
 
 def _once(order: Program) -> Program:
-    """Without the end that it had of its own: a patrol may be made three times."""
+    """The program without its own endless repetition: a patrol may be made three times."""
     return order.program if isinstance(order, Repeat) and order.count is None else order
 
 

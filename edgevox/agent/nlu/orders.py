@@ -1,4 +1,4 @@
-"""What a small program is: steps, repetitions, delays and conditions around calls of skills."""
+"""Small programs: steps, repetitions, delays and conditions around calls of skills."""
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
@@ -8,7 +8,7 @@ from edgevox.agent.skills import Call, SkillSet
 
 @dataclass(frozen=True, slots=True)
 class Do:
-    """These calls, in their order."""
+    """Do these calls, in their order."""
 
     calls: tuple[Call, ...]
 
@@ -27,42 +27,46 @@ class Return:
 
 @dataclass(frozen=True, slots=True)
 class Again:
-    """What was ordered last."""
+    """Do the last order again."""
 
 
 @dataclass(frozen=True, slots=True)
 class Steps:
-    """One after another; the next begins when the one before has succeeded."""
+    """Do these steps in sequence; each begins when the one before has succeeded."""
 
     steps: tuple["Program", ...]
 
 
 @dataclass(frozen=True, slots=True)
 class Repeat:
-    """So many times, or until it is stopped where `count` is None."""
+    """Repeat a program."""
 
     program: "Program"
+    """The program of each round."""
     count: float | None
+    """Number of rounds; None to repeat until a stop."""
 
 
 @dataclass(frozen=True, slots=True)
 class After:
-    """When so much time has passed."""
+    """Start a program after a delay."""
 
     delay_s: float
+    """The delay in seconds."""
     program: "Program"
+    """The program."""
 
 
 @dataclass(frozen=True, slots=True)
 class BatteryBelow:
-    """The battery has less left than this."""
+    """Condition: the battery's charge is below this."""
 
     percent: float
 
 
 @dataclass(frozen=True, slots=True)
 class Arrived:
-    """What moves when this is said has come to its end."""
+    """Condition: the motion that runs at the time of the order has reached its end."""
 
 
 Condition = BatteryBelow | Arrived
@@ -70,7 +74,7 @@ Condition = BatteryBelow | Arrived
 
 @dataclass(frozen=True, slots=True)
 class When:
-    """As soon as something is so, once."""
+    """Start a program once, as soon as a condition is true."""
 
     condition: Condition
     program: "Program"
@@ -80,7 +84,7 @@ Program = Do | Say | Return | Again | Steps | Repeat | After | When
 
 
 def parts_of(program: Program) -> Iterator[Program]:
-    """A program and all that is in it, from the outside inwards."""
+    """A program and all programs inside it, from the outside inwards."""
     yield program
     match program:
         case Steps(steps=steps):
@@ -91,17 +95,17 @@ def parts_of(program: Program) -> Iterator[Program]:
 
 
 def calls_of(program: Program) -> tuple[Call, ...]:
-    """All calls that it holds, each once."""
+    """All calls inside a program, each once."""
     return tuple(call for one in parts_of(program) if isinstance(one, Do) for call in one.calls)
 
 
 def is_endless(program: Program) -> bool:
-    """Whether it goes on until it is stopped."""
+    """True if a program goes on until it is stopped."""
     return any(isinstance(one, Repeat) and one.count is None for one in parts_of(program))
 
 
 def replaced(program: Program, leaf: Callable[[Do | Again], Program]) -> Program:
-    """The same, with `leaf` of all calls and of what says "again" in their places."""
+    """The program with each `Do` and `Again` replaced by its `leaf`."""
     match program:
         case Do() | Again():
             return leaf(program)
@@ -117,7 +121,7 @@ def replaced(program: Program, leaf: Callable[[Do | Again], Program]) -> Program
 
 
 def kernel(program: Program) -> Program:
-    """What is done each time: without repetitions, delays and conditions around it."""
+    """The innermost program, without repetitions, delays and conditions around it."""
     match program:
         case Repeat(program=inner) | After(program=inner) | When(program=inner):
             return kernel(inner)
@@ -125,12 +129,12 @@ def kernel(program: Program) -> Program:
 
 
 def drives(program: Program, skills: SkillSet) -> bool:
-    """Whether it sets the body in motion."""
+    """True if a program sets the body in motion."""
     back = any(isinstance(one, Return) for one in parts_of(program))
     return back or any(skills[call.skill].drives for call in calls_of(program))
 
 
 def moves(program: Program, skills: SkillSet) -> bool:
-    """Whether it uses the body."""
+    """True if a program uses the body."""
     back = any(isinstance(one, Return) for one in parts_of(program))
     return back or any(skills[call.skill].moves for call in calls_of(program))

@@ -1,8 +1,8 @@
-"""What calls a sentence could be, if it is a command at all: each grounded in what was said.
+"""The reading of a sentence as calls of skills, each grounded in the words.
 
-Every name and every number of the sentence stands in a call, and every value of a call was said.
-Which skill is meant follows from the words that speak for one skill and not for the others. Nothing
-here decides whether the speaker wants it done: `decider` does that.
+Every name and every number of the sentence is a value of a call, and every value of a call was
+said. The words that speak for one skill and not for others choose the skill. `decider` decides
+later whether the speaker wants the calls done.
 """
 
 import itertools
@@ -14,28 +14,34 @@ from edgevox.agent.nlu.lexicon import Lexicon, Words, is_mark
 from edgevox.agent.skills import Call
 
 _BESIDE = 3.0
-"""What the words for a call without a name or a number must weigh at least, beside others."""
+"""Least weight of the words for a call without a name or number, beside other calls."""
 _MOST_PARTS = 12
 MAX_TOKENS = 60
-"""Longer sentences are stories."""
+"""Number of tokens from which on a sentence is a story, not a command."""
 
 
 @dataclass(frozen=True, slots=True)
 class Reading:
-    """A sentence as calls, in their order. `courteous` are the places of its courtesies."""
+    """A sentence read as calls."""
 
     parts: tuple[ClauseReading, ...]
+    """The clauses that are calls, in the order of doing."""
     tokens: Words
+    """The tokens of the sentence."""
     courteous: frozenset[int]
+    """Indices of the tokens in courtesies."""
     strange: int
+    """Number of unknown words."""
     corrected: bool
+    """True if the speaker took something back."""
     denied: bool
+    """True if a negation denies something that was not taken back."""
     unread: bool
-    """Whether words that a joint opens are no call and not all known: perhaps another order."""
+    """True if a joint opens words that are no call and not all known: perhaps another order."""
 
     @property
     def calls(self) -> tuple[Call, ...]:
-        """What would be done."""
+        """The calls of all parts."""
         return tuple(part.call for part in self.parts)
 
 
@@ -62,7 +68,7 @@ class CallReader:
         self._linking = frozenset(words.linking)
 
     def read(self, text: str) -> Reading | None:
-        """The best reading; None where no skill could be meant."""
+        """The best reading; None if no skill could be meant."""
         written = self._lexicon.tokenize(text)
         tokens = self._lexicon.spelled(written)
         if not tokens or len(tokens) > MAX_TOKENS:
@@ -105,10 +111,10 @@ class CallReader:
         )
 
     def _is_half_read(self, part: ClauseReading, sentence: Clauses, taken: set[int]) -> bool:
-        """Whether unknown words in a call are perhaps another order, or a thing that it takes not.
+        """True if unknown words in a call may be another order, or a thing that no skill takes.
 
-        That is what a joint opens ("and wash it"), what stands behind the verb of a language
-        without spaces, and what an article stands before: "turn off the lamp in the bedroom".
+        Such words follow a joint ("and wash it"), follow the verb of a language without spaces, or
+        follow an article: "turn off the lamp in the bedroom".
         """
         tokens, end = sentence.tokens, part.end
         words = self._lexicon.words[part.call.skill]
@@ -132,7 +138,7 @@ class CallReader:
         )
 
     def _is_article(self, tokens: Words, one: Name) -> bool:
-        """Whether it is the "the" of what follows, which elsewhere is "it"."""
+        """True if the name is an article here, a word that elsewhere means "it"."""
         return one.end < len(tokens) and tokens[one.start : one.end] in self._articles
 
     def _filled(self, tokens: Words) -> frozenset[int]:
@@ -140,7 +146,7 @@ class CallReader:
         return self._filling.places(tokens) | common
 
     def _take_back(self, tokens: Words, names: Sequence[Name]) -> tuple[list[Name], bool]:
-        """Without the names that the speaker took back: "the office, no, the bedroom"."""
+        """The names that were not taken back ("the office, no, the bedroom"), and a denial."""
         denied = self._negations.places(tokens) - self._courtesies.places(tokens)
         correcting = self._corrections.places(tokens)
         kept = list(names)
@@ -156,7 +162,7 @@ class CallReader:
         return kept, bool(denied - allowed)
 
     def _corrected(self, tokens: Words, numbers: Sequence[Number]) -> list[Number]:
-        """Without a number that the next one corrects: "90 degrees, make that 60"."""
+        """The numbers that the next one does not correct: "90 degrees, make that 60"."""
         correcting = self._corrections.places(tokens)
         taken_back = {
             first.start
@@ -166,7 +172,7 @@ class CallReader:
         return [one for one in numbers if one.start not in taken_back]
 
     def _parts(self, sentence: Clauses) -> tuple[ClauseReading, ...]:
-        """The best way to part a sentence into calls, by dynamic programming over its borders."""
+        """The best split of a sentence into calls, by dynamic programming over its borders."""
         borders = self._borders(sentence.tokens)
         best: list[tuple[float, tuple[ClauseReading, ...]] | None] = [None] * len(borders)
         best[0] = (0.0, ())
@@ -187,7 +193,7 @@ class CallReader:
         return sorted(borders | self._opening.starts(tokens))
 
     def _meant(self, parts: tuple[ClauseReading, ...]) -> tuple[ClauseReading, ...]:
-        """Without what a stray word beside a real order speaks for."""
+        """The parts without weak ones, which a stray word beside a real order speaks for."""
         if len(parts) < 2:
             return parts
         skills = self._lexicon.skills
@@ -199,7 +205,7 @@ class CallReader:
         return tuple(strong) or parts
 
     def _takes_back(self, parts: tuple[ClauseReading, ...], tokens: Words) -> bool:
-        """Whether the first of two motions is taken back: "not left, right", "left, no, right"."""
+        """True if the first of two motions is taken back: "not left, right", "left, no, right"."""
         if len(parts) != 2 or not all(self._lexicon.skills[p.call.skill].drives for p in parts):
             return False
         first, second = parts
@@ -215,7 +221,7 @@ class CallReader:
     def _ordered(
         self, parts: tuple[ClauseReading, ...], tokens: Words
     ) -> tuple[ClauseReading, ...]:
-        """The order of doing: "before A, B" is B and then A, "A, but first B" too."""
+        """The parts in the order of doing: "before A, B" and "A, but first B" mean B, then A."""
         if len(parts) != 2:
             return parts
         second = parts[1]
@@ -227,14 +233,14 @@ class CallReader:
 
 
 def _as_written(names: Sequence[Name], tokens: Words, written: Words) -> Iterator[Name]:
-    """The names; one that only a corrected spelling made is a guess."""
+    """The names, those from a corrected spelling marked as guessed."""
     for one in names:
         said = set(tokens[one.start : one.end]) <= set(written)
         yield one if said else replace(one, guessed=True)
 
 
 def _once(parts: tuple[ClauseReading, ...]) -> tuple[ClauseReading, ...]:
-    """Without a name that is only said again: "the lab, they are in the lab"."""
+    """The parts without a repetition of the call before: "the lab, they are in the lab"."""
     kept = [
         part
         for index, part in enumerate(parts)

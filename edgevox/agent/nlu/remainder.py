@@ -1,8 +1,8 @@
-"""What was said and stands in no call: one guard behind every recogniser.
+"""The remainder of a sentence: words that no call took, as a guard behind every recogniser.
 
-A part of a number, a unit, a time, a word that puts an order off or one that denies it changes what
-is asked for. Where a reading took it into no value, the rest of the sentence is another order than
-the one that was given: nothing is done, and nothing is asked.
+A part of a number, a unit, a time, and a word that delays or denies an order all change the order.
+If no value of a reading took such a word, the reading is another order than the spoken one: the
+robot then neither does it nor asks about it.
 """
 
 import itertools
@@ -16,17 +16,17 @@ from edgevox.agent.skills import Call
 from edgevox.core.stop_words import STOP_WORDS
 
 SPEAKS = 0.4
-"""What a word weighs at least that opens an order."""
+"""Least weight of a word that opens an order."""
 _ORDINAL = re.compile(r"\d+[a-z]+")
 _PER_CENT = "%"
 _AT_AN_END = "."
-"""Begins or ends a phrase that puts off only at this end of a sentence: "depois ."."""
+"""Marks the end of a sentence at which a phrase puts an order off: "depois ."."""
 
 
 def may_ask_whether(calls: Sequence[Call], text: str, code: str) -> bool:
-    """Whether this may ask what you can do: "can you walk backwards".
+    """True if the words may ask about an ability: "can you walk backwards".
 
-    It does not where you say a value or a courtesy: "can you walk backwards, please".
+    With a value or a courtesy they are an order: "can you walk backwards, please".
     """
     words, said = words_of(code), f" {plain(text)} "
     asked = [plain(one) for one in words.abilities if plain(one) in said]
@@ -40,20 +40,23 @@ def may_ask_whether(calls: Sequence[Call], text: str, code: str) -> bool:
 
 @dataclass(frozen=True, slots=True)
 class _Taken:
-    """What a reading took of a sentence: its words, its units, and where its units stand."""
+    """The words that a reading took from a sentence."""
 
     units: frozenset[str]
+    """Units of the skills' numbers."""
     words: frozenset[str]
+    """Other words of the skills' templates."""
     places: frozenset[int]
+    """Indices of the units behind numbers."""
 
 
 def is_left_over(
     tokens: Words, lexicon: Lexicon, parts: Sequence[ClauseReading] = (), *, denials: bool = False
 ) -> bool:
-    """Whether something that changes an order stands in none of these parts.
+    """True if words that change an order stand in none of these parts.
 
-    Without parts nothing was taken: any number is left over. `denials`: words that deny count as
-    well; a reading weighs these itself, since it knows what they deny.
+    Without parts, any number is left over. With `denials`, words that deny count as well; a reading
+    weighs those itself, since it knows what they deny.
     """
     taken = _taken(tokens, lexicon, parts)
     spared = _spared(tokens, lexicon)
@@ -77,7 +80,7 @@ def _taken(tokens: Words, lexicon: Lexicon, parts: Sequence[ClauseReading]) -> _
 
 
 def _spared(tokens: Words, lexicon: Lexicon) -> dict[int, int]:
-    """The places of names and of courtesies of several words, with how long the longest is."""
+    """Indices of tokens in names and in long courtesies, each with the longest length in tokens."""
     spared = {at: len(tokens) for at, token in enumerate(tokens) if lexicon.in_a_name(token)}
     words = lexicon.function_words
     for start, one in lexicon.index((*words.fillers, *words.asking, *words.wishes)).find(tokens):
@@ -103,7 +106,7 @@ def _is_amount_left(tokens: Words, lexicon: Lexicon, taken: _Taken, spared: dict
     if not lexicon.book.hearing.spaced:
         marks = _marks(lexicon)
         if any({one, other} <= marks for one, other in itertools.pairwise(tokens)):
-            return True  # a number that nothing read
+            return True  # an unread number
     return any(_changes(tokens, at, lexicon, taken) for at, t in enumerate(tokens) if is_number(t))
 
 
@@ -113,7 +116,7 @@ def _marks(lexicon: Lexicon) -> frozenset[str]:
 
 
 def _changes(tokens: Words, at: int, lexicon: Lexicon, taken: _Taken) -> bool:
-    """Whether a word beside the number at this place goes on with it: "2 metres five"."""
+    """True if a word beside the number at this index continues it: "2 metres five"."""
     marks = _marks(lexicon)
     before = tokens[at - 1] if at else ""
     behind = at + 1 + (at + 1 in taken.places)
@@ -140,10 +143,10 @@ def _is_put_off(tokens: Words, lexicon: Lexicon, spared: dict[int, int]) -> bool
 
 
 def is_unsaid(parts: Sequence[ClauseReading], lexicon: Lexicon) -> bool:
-    """Whether one of these rests on a name among words that are not all known.
+    """True if one of these parts rests on a name among unknown words.
 
-    "Light up the kitchen" is no order to go there. What loses something must be said in known words
-    and names alone.
+    "Light up the kitchen" is no order to go there. A call that changes something for good must be
+    said in known words and names alone.
     """
     return any(_is_unsaid(part, lexicon) for part in parts)
 
@@ -156,7 +159,7 @@ def _is_unsaid(part: ClauseReading, lexicon: Lexicon) -> bool:
 
 
 def _is_anothers(part: ClauseReading, tokens: Words, lexicon: Lexicon) -> bool:
-    """Whether it begins with a word of another skill: "remember the point x 7, y 2"."""
+    """True if the part begins with a word of another skill: "remember the point x 7, y 2"."""
     small = lexicon.index(lexicon.function_words.all()).places(tokens)
     named = {at for one in find_names(lexicon, tokens) for at in range(one.start, one.end)}
     own = lexicon.words[part.call.skill].weights
@@ -172,7 +175,7 @@ def _is_anothers(part: ClauseReading, tokens: Words, lexicon: Lexicon) -> bool:
 
 
 def is_denied_inside(text: str, lexicon: Lexicon) -> bool:
-    """Whether a word denies something where no space parts it from others: 行かないで."""
+    """True if a negation stands inside a text of a language without spaces: 行かないで."""
     if lexicon.book.hearing.spaced:
         return False
     functions, said = lexicon.function_words, plain(text)
@@ -188,7 +191,7 @@ def _is_denied(tokens: Words, lexicon: Lexicon) -> bool:
 def _found(
     tokens: Words, lexicon: Lexicon, phrases: tuple[str, ...], spared: dict[int, int]
 ) -> Iterator[range]:
-    """Where these phrases stand, but for those inside of a name or of a longer courtesy."""
+    """Ranges of these phrases, without those inside a name or a longer courtesy."""
     for start, one in lexicon.as_written(phrases).find(tokens):
         places = range(start, start + len(one))
         if not all(spared.get(at, 0) > len(one) for at in places):

@@ -1,14 +1,11 @@
-"""Plain commands understood in milliseconds, by sentence templates that belong to the skills.
+"""The recogniser of plain commands: it matches the skills' sentence templates in milliseconds.
 
-Compiles the sentence templates of skills for hassil, in the words of one language.
+`compile_templates` compiles the templates for hassil, in the words of one language. Each template
+is parsed once per process, although each agent and each change of language makes a recogniser.
 
-A template is parsed once in the life of the process, however many recognisers have it: one is made
-for each agent, and again for each change of the language.
-
-What sentences of a template may begin with: one that begins otherwise need not be tried.
-
-Most templates begin with a verb, and most sentences with another one. To try all of a template
-that has many forms takes longer than all else that is done to a sentence.
+`beginnings` finds how the sentences of a template begin. A sentence is tried only on templates that
+begin as it does: most begin with another verb, and trying a template with many forms takes longer
+than all other work on a sentence.
 """
 
 import difflib
@@ -45,24 +42,24 @@ from edgevox.core.files.text import one_form
 from edgevox.core.languages import LANGUAGES
 
 ANY = ""
-"""What every sentence begins with."""
+"""The beginning of every sentence."""
 
 
 def said(text: str) -> str:
-    """A sentence as its beginning is compared: as hassil compares it, and in lower case."""
-    if text.isascii() and text.replace(" ", "").isalnum():  # with nothing to take away
+    """A sentence in the form in which beginnings are compared: hassil's, in lower case."""
+    if text.isascii() and text.replace(" ", "").isalnum():  # nothing to normalise
         return text.strip().casefold()
     return str(normalize_for_matching(text).text).casefold()
 
 
 def beginnings(template: Sentence, rules: Mapping[str, Sentence]) -> frozenset[str]:
-    """First words or parts of them, in lower case: one of them begins each of its sentences."""
+    """Beginnings of a template's sentences, in lower case: first words, or parts of them."""
     found, empty = _begins(template.expression, rules)
     return frozenset({ANY}) if empty or ANY in found else found
 
 
 def _begins(part: Expression, rules: Mapping[str, Sentence]) -> tuple[frozenset[str], bool]:
-    """What this part may begin with, and whether nothing at all may stand for it."""
+    """Beginnings of a part of a template, and whether the part may be empty."""
     match part:
         case TextChunk():
             words = part.text.split(maxsplit=1)
@@ -88,13 +85,13 @@ def _compared(word: str) -> str:
 
 
 _MOST_TEMPLATES = 4096
-"""How many parsed templates of a language are kept; all robots together have about 700."""
+"""Number of parsed templates of a language that are kept; all robots together have about 700."""
 
 _Lists = dict[str, SlotList]
 
 
 def compile_templates(skills: SkillSet, book: Phrasebook, *, loose: bool) -> "Templates":
-    """Those of these skills; `loose` lets any words stand where one of some words should."""
+    """Compile the templates of these skills; `loose` accepts any words for known words."""
     shared = _shared(book.code, tuple(book.rules.items()), book.hearing.places)
     templates = {
         name: book.templates(one) for name, one in skills.items() if not loose or one.choices
@@ -105,7 +102,7 @@ def compile_templates(skills: SkillSet, book: Phrasebook, *, loose: bool) -> "Te
 
 
 class Templates:
-    """The templates of some skills. `lists` are what may stand in the slots of each."""
+    """The templates of some skills, by skill. `lists` holds the words for the slots of each."""
 
     def __init__(
         self,
@@ -122,7 +119,7 @@ class Templates:
         self._by_letter: dict[str, _Beginning] = {}
 
     def fitting(self, text: str) -> Intents:
-        """Those that begin as this text does, one intent per skill."""
+        """The templates that begin as this text does, one intent per skill."""
         begun = said(text)
         found = {}
         for name, some in self._beginning_with(begun[:1]).items():
@@ -148,22 +145,22 @@ class Templates:
 class _Template:
     sentence: Sentence
     begins: Mapping[str, tuple[str, ...]]
-    """What its sentences may begin with, by the first letter."""
+    """Beginnings of its sentences, by their first letter."""
 
 
 _Beginning = dict[str, list[tuple[Sentence, tuple[str, ...]]]]
-"""By skill, the templates of which a sentence begins with one letter, and with what else."""
+"""Templates with a sentence that begins with one letter, and those beginnings, by skill."""
 
 
 def _intent(name: str, templates: list[Sentence], lists: _Lists) -> Intent:
-    """Of templates that are parsed already, and of what may stand in their slots."""
+    """An intent of parsed templates and of the words for their slots."""
     data = IntentData([], slot_lists=lists)
-    vars(data)["sentences"] = templates  # where it keeps what it would parse itself
+    vars(data)["sentences"] = templates  # the attribute in which hassil caches what it parses
     return Intent(name, [data])
 
 
 class _SharedTemplates:
-    """What all templates of a language have in common, and those that were parsed."""
+    """The rules and places that all templates of a language share, and the parsed templates."""
 
     def __init__(self, code: str, rules: Sequence[tuple[str, str]], places: Sequence[str]) -> None:
         shared = Intents.from_dict(
@@ -186,7 +183,10 @@ class _SharedTemplates:
         return _Template(sentence, begins)
 
     def lists(self, one: Skill, *, loose: bool) -> _Lists:
-        """Any words, but where words are given to choose from; the book's usual places."""
+        """Words for a skill's slots: any words, or a list if the argument has choices.
+
+        A skill that takes new names also gets the book's usual places.
+        """
         lists: _Lists = {
             name: WildcardSlotList(name)
             if loose or name not in one.choices
@@ -204,20 +204,20 @@ def _pattern(template: str) -> str:
 
 
 def written(text: str, hearing: Hearing) -> str:
-    """With spaces only where the language has them between words."""
+    """The text, without spaces if the language puts none between words."""
     return text if hearing.spaced else text.replace(" ", "")
 
 
 @lru_cache(maxsize=8192)
 def _forms(said: str, code: str, *, spaced: bool) -> tuple[str, ...]:
-    """How a word of a language may be written. Kept, for a new word is one of many."""
+    """Written forms of a word. Cached, because a new word rebuilds a list of many old ones."""
     plain = key(said)
     found = dict.fromkeys((digits(plain, code), plain))
     return tuple(found) if spaced else tuple(one.replace(" ", "") for one in found)
 
 
 def word_list(choices: OneOf, book: Phrasebook) -> TextSlotList:
-    """What may be said for these words, as it is written and with its numbers as digits."""
+    """All spoken forms of these words, as written and with their numbers as digits."""
     spoken = {
         form: word
         for said, word in book.heard(choices).items()
@@ -227,52 +227,52 @@ def word_list(choices: OneOf, book: Phrasebook) -> TextSlotList:
 
 
 def _indexed(words: TextSlotList) -> TextSlotList:
-    """The same with its index made: two threads that look first would make it at once."""
+    """The list with its index built now: two threads that look first would both build it."""
     words.get_candidates("")
     return words
 
 
 MAX_CHARACTERS = 240
-"""Longer utterances are not plain commands; they go to the model."""
+"""Number of characters from which on an utterance is no plain command and goes to the model."""
 
 _NUMBER = re.compile(NUMBER)
 _PAIR = re.compile(rf"({NUMBER})\s*,?\s+(?={NUMBER}(?:[\s,]|\W*$))")
 _NOTHING = "nothingatall"
 _NEAR, _WORD_NEAR = 0.8, 0.6
-"""How alike a misheard name is to a known one as a whole, and each of its words."""
+"""Least similarity of a misheard name to a known one, as a whole and for each word."""
 _MAX_UNKNOWN_WORDS = 3
 _MAX_UNKNOWN_CHARACTERS = 8
-"""The longest unknown name where words have no spaces between them."""
+"""Length of the longest unknown name in a language without spaces between words."""
 
 
 @dataclass(frozen=True, slots=True)
 class Understood:
-    """The utterance is these calls; `nearly`: a word of it is only like the one that it became."""
+    """An utterance understood as calls."""
 
     calls: tuple[Call, ...]
+    """The calls."""
     nearly: bool = False
+    """True if a word was replaced by a similar one."""
 
 
 @dataclass(frozen=True, slots=True)
 class RefusedCommand:
-    """A plain command in which a word is missing or unknown; `reason` says which.
-
-    `detail` is the whole list of what is known, where that is too long to be spoken.
-    """
+    """A plain command in which a word is missing or unknown."""
 
     reason: str
+    """The sentence that says which word."""
     detail: str = ""
+    """The whole list of known words, if it is too long to be spoken."""
 
 
 class Recogniser:
-    """Matches utterances against the templates of a set of skills.
+    """Matches utterances against the templates of a set of skills. Any thread may use it.
 
-    An utterance may join several commands ("go to the kitchen, then tell me your battery"); all of
-    its parts must match. A word that no argument knows is corrected when it is nearly one
-    ("kichen"), and refused by name otherwise: a robot never guesses where to drive. The templates
-    are those of the language's phrasebook and then the skills' own. Words that were learned since
-    the last utterance count. `dialogue_skills` come after all the others, and only where every word
-    fits. May be used from any thread.
+    An utterance may join several commands ("go to the kitchen, then tell me your battery"); all its
+    parts must match. An unknown word that is similar to a known one is corrected ("kichen"); any
+    other is refused by name, since a robot must not guess where to drive. The templates come from
+    the phrasebook, or from the skills themselves. Words learned since the last utterance count.
+    `dialogue_skills` come last, and every word must fit them.
     """
 
     def __init__(
@@ -287,7 +287,7 @@ class Recogniser:
         self._readers = [_TemplateReader(skills, book, books[0], dialogue_skills) for book in books]
 
     def recognise(self, text: str) -> Understood | RefusedCommand | None:
-        """Calls, a refusal, or None when this is not a plain command."""
+        """The calls of a plain command, a refusal, or None for any other text."""
         if len(text) > MAX_CHARACTERS or not is_exact(text, self._language):
             return None
         self._learn()
@@ -310,7 +310,7 @@ class Recogniser:
 
 
 class _TemplateReader:
-    """Reads one language, and says in the language of `answers` what it does not know."""
+    """Reads one language, and words refusals in the language of `answers`."""
 
     def __init__(
         self, skills: SkillSet, book: Phrasebook, answers: Phrasebook, dialogue_skills: SkillSet
@@ -325,7 +325,7 @@ class _TemplateReader:
         self.learn()
 
     def learn(self) -> None:
-        """Take the words that there are now to choose from; the templates stay as they are."""
+        """Take over the present words of the arguments; the templates stay as they are."""
         made: dict[int, TextSlotList] = {}  # skills may share their choices
         for name, lists in self._strict.lists.items():
             for argument, one in self._skills[name].choices.items():
@@ -334,7 +334,7 @@ class _TemplateReader:
                 lists[argument] = made[id(one)]
 
     def read(self, text: str) -> Understood | RefusedCommand | None:
-        """What `Recogniser.recognise` returns, of a text in digits."""
+        """The result of `Recogniser.recognise` for a text with numbers as digits."""
         plain = digits(text, self._book.code)
         whole = self._one(plain)
         if isinstance(whole, Understood):
@@ -351,7 +351,7 @@ class _TemplateReader:
         return whole
 
     def _one(self, part: str) -> Understood | RefusedCommand | None:
-        """The call that this sentence is; two bare numbers side by side are read as "x and y"."""
+        """The call of a single sentence; two bare numbers side by side count as "x and y"."""
         paired = _PAIR.sub(rf"\1 {self._book.hearing.pair} ", part)
         sentence = written(unpunctuated(separated(paired)), self._book.hearing)
         for call in self._matches(sentence, self._strict):
@@ -378,14 +378,14 @@ class _TemplateReader:
                 yield Call(result.intent.name, {**arguments, **names})
 
     def _are_names(self, given: Collection[str]) -> bool:
-        """Whether these may be names: a clause is none, nor is the command that follows."""
+        """True if these may be names, and not clauses or the command that follows."""
         hearing = self._book.hearing
         if not hearing.spaced:
             return not any(word in said for word in hearing.clause_words for said in given)
         return all(hearing.clause_words.isdisjoint(map(key, said.split())) for said in given)
 
     def _repair(self, call: Call) -> Understood | RefusedCommand | None:
-        """Correct near misses among the words of a loose match, or say what is wrong."""
+        """Correct misspelt words of a loose match, or refuse with the wrong word."""
         arguments, nearly = dict(call.arguments), False
         for name, choices in self._skills[call.skill].choices.items():
             said = self._without_articles(str(arguments.get(name, "")))
@@ -408,7 +408,7 @@ class _TemplateReader:
         return Understood((Call(call.skill, arguments),), nearly)
 
     def _is_alike(self, said: str, known: str) -> bool:
-        """Whether it may be this name misheard, and not another word that holds it."""
+        """True if the words may be this name misheard, and not another word that contains it."""
         extra = len(said) - len(known)
         longer = known in said and extra > (ENDING if self._book.hearing.spaced else 0)
         return not longer and _alike_word_by_word(said, known)
@@ -420,7 +420,7 @@ class _TemplateReader:
 
 
 def _alike_word_by_word(said: str, known: str) -> bool:
-    """Whether no word is quite another one: shelf B is no shelf A, and "kitchen ft" no kitchen."""
+    """True if each word is similar: "shelf B" is not "shelf A", "kitchen ft" is not "kitchen"."""
     pairs = list(zip(said.split(), known.split(), strict=False))
     ratios = (difflib.SequenceMatcher(None, *pair).ratio() for pair in pairs)
     return len(said.split()) == len(known.split()) and all(one >= _WORD_NEAR for one in ratios)
@@ -429,16 +429,16 @@ def _alike_word_by_word(said: str, known: str) -> bool:
 def refused(
     book: Phrasebook, sentence: str, argument: str, known: Sequence[str], said: str = ""
 ) -> RefusedCommand:
-    """Says that a word is missing or unknown, and some words that are known; all in `detail`."""
+    """The refusal of a missing or unknown word, with some known words; all are in `detail`."""
     kind = book.kind(argument)
     reason = book.say(sentence, argument=kind, said=said, known=brief(book, known, said))
     return RefusedCommand(reason, whole(book, known))
 
 
 def _arguments(one: Skill, result: RecognizeResult, sentence: str) -> Mapping[str, Any] | None:
-    """The match's slots as arguments, or None where a number was expected and none was said.
+    """The match's slots as arguments; None if a slot for a number holds none.
 
-    Words that stand for themselves are taken from the sentence with its accents.
+    Free words and new names come from the sentence with its accents.
     """
     said: dict[str, str] = {}
     for name, entity in result.entities.items():
@@ -462,7 +462,7 @@ def _joints(hearing: Hearing) -> re.Pattern[str]:
 
 
 def _may_be_a_name(said: str, hearing: Hearing) -> bool:
-    """Whether these words may be a name, and not a clause or a number."""
+    """True if these words may be a name, and not a clause or a number."""
     if any(character.isdigit() for character in said):
         return False
     if not hearing.spaced:

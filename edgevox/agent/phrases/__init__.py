@@ -1,1 +1,1 @@
-"""What is said and heard in each language, and the names that a robot may have."""
+"""Sentences said and heard in each language, and the rules for a robot's names."""

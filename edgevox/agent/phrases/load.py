@@ -1,4 +1,4 @@
-"""Reads phrasebooks, of the file that each language has: `edgevox/core/languages`."""
+"""The loader of phrasebooks, from the file of each language in `edgevox/core/languages`."""
 
 import re
 from collections.abc import Mapping
@@ -108,9 +108,9 @@ def _programs(data: Mapping[str, Any]) -> ProgramPhrases:
 
 
 def skill_entries(table: Mapping[str, Mapping[str, Any]]) -> dict[str, SkillPhrases]:
-    """What skills say and are called by: a table `skills`.
+    """The phrases of skills, from a table `skills`.
 
-    An entry that is `like` another has of that one whatever it lacks.
+    An entry that is `like` another takes the keys that it lacks from that one.
     """
     return {
         name: _skill_phrases({**table.get(one.get("like", ""), {}), **one})

@@ -1,10 +1,9 @@
-"""Names of places, rooms, things and skills: none may take what people need to say.
+"""Rules for names of places, rooms, things and skills: no name may be a sentence people need.
 
 The language can change while a robot runs, so every language counts, whichever is spoken now.
 
-Which words a template holds and which of them must be said, without compiling it.
-
-Few names share a word with every part of a template: for those alone one is compiled.
+`TemplateScanner` finds the words of a template without compiling it: few names share a word with
+every part of a template, and only for those a template is compiled.
 """
 
 import re
@@ -65,7 +64,7 @@ class TemplateScanner:
         self._known: dict[str, TemplateWords] = {}
 
     def scan(self, template: str) -> TemplateWords:
-        """Those of a template, and of the rules in it."""
+        """The words of a template, and of the rules in it."""
         spelled = folded(separated(one_form(template))).casefold()
         return self._alternatives(iter(_PART.findall(spelled)), "")
 
@@ -140,8 +139,7 @@ _STOP = "stop"
 def check_name(field: str, name: str) -> None:
     """Raise `InvalidValue`, naming `field`, for a name that people need for something else.
 
-    That is one that holds a stop word of any language, or that is what people say to answer, or to
-    stop, in one of them.
+    Such a name holds a stop word of any language, or is an answer or a general command in one.
     """
     said = name.replace("_", " ")
     spelled = key(said)
@@ -158,7 +156,7 @@ def check_name(field: str, name: str) -> None:
 
 
 def check_skills(skills: Iterable[Skill]) -> None:
-    """The same for the names of skills, and the words that their arguments may be.
+    """Check the names of skills, and the words of their arguments, as `check_name` does.
 
     Raises `InvalidValue` naming the skill, and its argument.
     """
@@ -190,7 +188,7 @@ def names_of(choices: OneOf) -> Mapping[str, str]:
 
 
 def is_sentence(name: str, places: Mapping[str, str]) -> bool:
-    """Whether people say it to a robot to make it do something, or to ask it, in any language.
+    """True if a name is a command or a question to a robot in any language.
 
     "go back" and "home" are such sentences, and so is one with a number or one of these `places` in
     it: "go to the kitchen". Nor may the order to go there be one to go to one of them: "kitchen
@@ -203,7 +201,7 @@ def is_sentence(name: str, places: Mapping[str, str]) -> bool:
 
 
 def is_clause_word(name: str, languages: Iterable[str] = tuple(LANGUAGES)) -> bool:
-    """Whether it stands for something else in one of these languages: "here", "it", "and"."""
+    """True if a name is a function word in one of these languages: "here", "it", "and"."""
     spelled = key(name)
     return any(spelled in phrasebook(code).hearing.clause_words for code in languages)
 
@@ -216,10 +214,10 @@ def bare_name(code: str, name: str) -> str:
 def name_clash(
     entries: Mapping[str, tuple[Iterable[str], Mapping[str, OwnName]]],
 ) -> tuple[str, str, str, str] | None:
-    """Whose name, in which language, which it is, and whose it is, too; None if all differ.
+    """The first name that two words share: word, language, name, other word; None if all differ.
 
-    `entries` are the aliases, which count in every language, and the names by language of words.
-    The language is empty where it is an alias, or the word itself.
+    `entries` has for each word its aliases, which count in every language, and its names by
+    language. The language is empty for an alias, and for the word itself.
     """
     owners: dict[str, str] = {}
     for word, (aliases, _) in entries.items():
@@ -236,14 +234,14 @@ def name_clash(
 
 
 def _common_words(words: Iterable[str]) -> Mapping[str, str]:
-    """What people say in any language for those of these words that all phrasebooks know."""
+    """Spoken forms, in any language, of those words that phrasebooks know, to the words."""
     forms = {name_form(word): word for word in words}
     return {said: forms[form] for form in forms for said in _heard_anywhere().get(form, ())}
 
 
 @cache
 def _heard_anywhere() -> Mapping[str, tuple[str, ...]]:
-    """What people say for the words of all phrasebooks, by the form of these words."""
+    """Spoken forms of the words of all phrasebooks, by the words' name forms."""
     found: dict[str, tuple[str, ...]] = {}
     for code in LANGUAGES:
         for word, forms in phrasebook(code).words.items():
@@ -386,7 +384,7 @@ def _templates(code: str) -> Mapping[str, Sequence[_SpokenTemplate]]:
 
 @cache
 def _taken(code: str) -> frozenset[str]:
-    """What people say in this language that is no name, in the spelling of `key`."""
+    """Sentences of this language that are no names, in the spelling of `key`."""
     book = phrasebook(code)
     stopping = (
         sentence

@@ -38,11 +38,11 @@ _DECIMAL_COMMA = re.compile(r"(?<![\d.,])(\d+),(\d+)(?![\d.,]*\d)")
 
 @lru_cache(maxsize=2048)
 def digits(text: str, language: str = "en") -> str:
-    """The same text with its number words as digits: "minus two and a half" becomes "-2.5".
+    """The text with its number words as digits: "minus two and a half" becomes "-2.5".
 
-    Fractions become decimals with a point, centimetres become metres, and the name of an axis gets
-    off its number ("x2.5": so whisper writes coordinates). Kept, for all who read a sentence ask,
-    and whoever learns a language's words asks for the same ones again.
+    Fractions become decimals with a point, centimetres become metres, and an axis is separated from
+    its number ("x2.5", as Whisper writes coordinates). Cached, because several readers ask for the
+    same sentence, and each reload of a language's words asks for the same words.
     """
     known = phrasebook(language).numbers
     text = _written_out(text)
@@ -58,7 +58,7 @@ def digits(text: str, language: str = "en") -> str:
 
 
 def is_exact(text: str, language: str = "en") -> bool:
-    """Whether each number of this text can be read as it is written.
+    """True if each number of this text can be read as it is written.
 
     "1.5.2", "5'", "3-4" and "17:30" are more than the number that stands in them, and "1,500" may
     be two numbers: nothing may be done by a part of one.

@@ -1,4 +1,4 @@
-"""What a package of one's own says: a folder of phrasebooks like ours, one TOML file a language.
+"""Phrases of a skill package: a folder of phrasebooks like ours, one TOML file per language.
 
     PHRASES = OwnPhrases(Path(__file__).parent / "phrases")
 

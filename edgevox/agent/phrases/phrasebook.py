@@ -1,12 +1,9 @@
-"""Phrasebooks: how a robot speaks and is spoken to in one language.
+"""Phrasebooks: the sentences that a robot says and understands in one language.
 
-What people say to call a skill, of what a phrasebook has for skills of its name.
-
-What a phrasebook says of how sentences are put together.
-
-How people word programs in one language: the table `programs` of a phrasebook's file.
-
-Long lists: spoken, a few and how many more there are; written, all.
+- `Hearing`, `AnswerWords`, `ProgramPhrases`: tables of a language's file.
+- `suited`, `examples_of`: the templates and examples that fit a skill's arguments.
+- `brief`, `whole`, `detail`: long lists; a few words are spoken, all are written.
+- `Phrasebook`: all of a language.
 """
 
 import re
@@ -49,7 +46,7 @@ def slots_of(template: str, rules: Mapping[str, str]) -> set[str]:
 
 
 def suited(one: Skill, templates: Sequence[str], rules: Mapping[str, str]) -> tuple[str, ...]:
-    """Those that give all arguments that the skill needs, and no other."""
+    """The templates that give all arguments that the skill needs, and no other."""
     infos = one.arguments_model.model_fields
     required = {spoken_name(name) for name, info in infos.items() if info.is_required()}
     names = _names(one)
@@ -113,33 +110,33 @@ def _hints(choices: OneOf, words: Mapping[str, Word]) -> list[tuple[str, str]]:
 
 @dataclass(frozen=True, slots=True)
 class Hearing:
-    """How sentences are put together.
-
-    `joints` are words between two commands, `articles` stand before a name, `clause_words` never
-    stand in one, `pair` is what is put between two bare numbers. `spaced` is False where words have
-    no spaces between them. `written` are commands in the spelling that templates understand: an
-    example for whoever writes down what is spoken. `reserved` is what people answer with, and what
-    they say to any robot: no place or thing may be called so. `places` are what people call places,
-    in templates: "this is the charger" names one, "this is the end" does not. Whoever ends in an
-    `unfinished` word has not ended. `goes_on` are examples of what may follow on a command that is
-    whole without: "turn left", "90 degrees".
-    """
+    """The structure of sentences in a language."""
 
     joints: tuple[str, ...] = ()
+    """Words between two commands."""
     articles: tuple[str, ...] = ()
+    """Words before a name."""
     clause_words: frozenset[str] = frozenset()
+    """Words that never stand in a name."""
     pair: str = "and"
+    """The word to put between two bare numbers."""
     spaced: bool = True
+    """False for a script without spaces between words."""
     written: str = ""
+    """Commands in the spelling of the templates, as a sample for speech recognition."""
     reserved: tuple[str, ...] = ()
+    """Answers and general commands, which no place or thing may be called."""
     places: tuple[str, ...] = ()
+    """Templates of usual places: "this is the charger" names one, "this is the end" does not."""
     unfinished: tuple[str, ...] = ()
+    """Last words of a sentence that is not finished."""
     goes_on: tuple[str, ...] = ()
+    """Examples of words that may follow a whole command: "90 degrees" after "turn left"."""
 
 
 @dataclass(frozen=True, slots=True)
 class AnswerWords:
-    """What a language answers with; languages/en.toml says what each is."""
+    """Words of answers in a language; languages/en.toml explains each field."""
 
     yes: tuple[str, ...] = ()
     no: tuple[str, ...] = ()
@@ -150,26 +147,31 @@ class AnswerWords:
 
 @dataclass(frozen=True, slots=True)
 class ProgramPhrases:
-    """Sentence templates by kind, and what they need.
+    """The wording of programs in a language: the table `programs` of its file.
 
-    A template is written as those of skills are: `[optional]`, `(one|or another)`, `{slot}` and
-    `<rule>`. `rewrite` are patterns and what they become before that: "twice" is "2 times". Where
-    words have no spaces between them, numbers count before `units` and after `ahead`; `words` are
-    numbers that are said in no other place. `go` is the plain order to go to a place. `names` are
-    words for a program when it is forgotten, by its kind. `me` are who wants to be told something:
-    "tell me how full your battery is" asks for it, and is not to be said aloud.
+    Templates are written as those of skills: `[optional]`, `(one|or another)`, `{slot}`, `<rule>`.
     """
 
     templates: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    """Sentence templates by kind of program."""
     rules: Mapping[str, str] = field(default_factory=dict)
+    """Rules that templates name."""
     rewrite: tuple[Rewriting, ...] = ()
+    """Patterns and their replacements before matching: "twice" becomes "2 times"."""
     words: NumberWords | None = None
+    """Number words that only programs use."""
     units: str = ""
+    """Pattern of the units before which numerals count, in a language without spaces."""
     ahead: str = ""
+    """Pattern of the words after which numerals count, in a language without spaces."""
     go: str = ""
+    """The plain order to go to a place."""
     between: tuple[str, ...] = ()
+    """Words between the places of a patrol."""
     me: tuple[str, ...] = ()
+    """Words for the speaker: "tell me how full your battery is" asks, and is not to be repeated."""
     names: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    """Words for a program in an order to forget it, by kind."""
 
 
 MOST_SPOKEN = 4
@@ -177,7 +179,7 @@ MOST_SPOKEN = 4
 
 
 def brief(book: "Phrasebook", names: Sequence[str], said: str = "") -> str:
-    """These words as they are spoken: of many only those nearest to what was said."""
+    """The words as a spoken list; of many, only those nearest to the words `said`."""
     if len(names) <= MOST_SPOKEN:
         return book.listing(names)
     near = sorted(names, key=lambda name: -_nearness(book, name, said)) if said else names
@@ -192,7 +194,7 @@ def whole(book: "Phrasebook", names: Sequence[str]) -> str:
 
 
 def detail(book: "Phrasebook", why: Reason) -> str:
-    """What a reason leaves out where it is spoken: most of a long list, and names of topics."""
+    """The written part of a reason: the whole of its long lists, and names of topics."""
     lists = [value for value in why.values.values() if isinstance(value, tuple)]
     topic = book.say("topic", topic=why.values["topic"]) if "topic" in why.values else ""
     return " ".join(filter(None, (*(whole(book, names) for names in lists), topic)))
@@ -204,14 +206,14 @@ def _nearness(book: "Phrasebook", name: str, said: str) -> float:
 
 
 _OTHER = "other"
-"""What an argument is called that has no name of its own."""
+"""Key for the name of an argument without a name of its own."""
 _WORD = "word"
-"""What kind of thing its words are, where a sentence of the language says so."""
+"""Key for the kind of an argument's words, if the argument is unknown."""
 
 
 @dataclass(frozen=True, slots=True)
 class SmallTalk:
-    """What somebody may say that is no command, and an answer to it."""
+    """A sentence that is no command, and an answer to it."""
 
     asked: str
     answer: str
@@ -219,7 +221,7 @@ class SmallTalk:
 
 @dataclass(frozen=True)
 class Phrasebook:
-    """One language. What it lacks is taken from the skills and from `fallback`, the English one."""
+    """The phrases of one language; the skills and the English `fallback` fill its gaps."""
 
     code: str
     name: str
@@ -243,7 +245,7 @@ class Phrasebook:
     fallback: "Phrasebook | None" = None
 
     def say(self, name: str, **values: Any) -> str:
-        """One of the agent's own sentences. Raises `KeyError` for one that no language has."""
+        """A sentence of the agent itself. Raises `KeyError` if no language has it."""
         sentence = self.sentences.get(name)
         if sentence is None and self.fallback:
             return self.fallback.say(name, **values)
@@ -277,7 +279,7 @@ class Phrasebook:
         return written_out(template, self.rules)
 
     def examples(self, one: Skill) -> Sequence[Example]:
-        """What a model learns a skill from; English ones for words that are unknown here."""
+        """Examples of a skill for a language model; English ones for words unknown here."""
         if self._is_called_by_its_own(one):
             return one.examples
         own = examples_of(one, self._phrases(one).examples, self.words)
@@ -289,12 +291,12 @@ class Phrasebook:
         return own + [e for e in english if words.intersection(e.arguments.values())]
 
     def acknowledge(self, one: Skill, arguments: Mapping[str, Any]) -> str:
-        """What is said when this call begins; empty if nothing is."""
+        """The sentence for the beginning of a call; may be empty."""
         said = self._speak(one, one.says, lambda phrases: phrases.says, arguments)
         return said or (self.fallback.acknowledge(one, arguments) if self.fallback else "")
 
     def report(self, one: Skill, arguments: Mapping[str, Any], result: Mapping[str, Any]) -> str:
-        """What is said when this call has succeeded; empty if nothing is."""
+        """The sentence for the success of a call; may be empty."""
         values = {**arguments, **result}
         said = self._speak(one, one.done, lambda phrases: phrases.done, values)
         return said or (self.fallback.report(one, arguments, result) if self.fallback else "")
@@ -308,15 +310,15 @@ class Phrasebook:
         return self.say("do_this", told=" ".join(told))
 
     def failure(self, reason: Reason) -> str:
-        """What is said when a call has failed, for this reason."""
+        """The sentence for a call that failed for this reason."""
         return self._because("failed", reason)
 
     def refusal(self, reason: Reason) -> str:
-        """What is said when a call was not begun at all, for this reason."""
+        """The sentence for a call that was refused for this reason."""
         return self._because("refused", reason)
 
     def reason(self, why: Reason) -> str:
-        """A reason in this language; somebody's own sentence as it is."""
+        """A reason in this language; a sentence without a code stays as it is."""
         sentence = why.sentences.get(self.code) or self.reasons.get(why.code)
         if not sentence:
             return why.text
@@ -326,19 +328,19 @@ class Phrasebook:
         return self._smooth(sentence.format(**values)) + in_brackets(left, self.code)
 
     def can(self, one: Skill) -> str:
-        """What a robot with this skill can do, as a part of a sentence."""
+        """The ability that this skill gives, as a part of a sentence."""
         return self._phrases(one).can or as_part(one.description)
 
     def said_for(self, one: Skill) -> Mapping[str, Mapping[str, str]]:
-        """What is said for values of this skill's arguments and results."""
+        """Words for values of this skill's arguments and results."""
         return self._phrases(one).words
 
     def knows(self, one: Skill) -> bool:
-        """Whether it is a skill that robots commonly have, by its name."""
+        """True if the skill's name is one that robots commonly have."""
         return one.name in self.skills
 
     def chained(self, sentences: Sequence[str]) -> str:
-        """What is done one after another: "Going to the kitchen. Then: going to the bedroom."."""
+        """Sentences in sequence: "Going to the kitchen. Then: going to the bedroom."."""
         first, *rest = [sentence for sentence in sentences if sentence] or [self.say("all_right")]
         then = (self.say("then", next=f"{one[0].lower()}{one[1:]}") for one in rest)
         return " ".join([first, *then])
@@ -352,15 +354,15 @@ class Phrasebook:
         return self._join([str(self.word(name)) for name in names])
 
     def argument(self, name: str) -> str:
-        """What an argument is called: "the distance in metres".
+        """The name of an argument: "the distance in metres".
 
-        An axis is called by its letter; one that nobody gave a name in this language is a value.
+        An axis is called by its letter; an argument without a name in this language is "a value".
         """
         known = self.arguments.get(name) or self.arguments.get(spoken_name(name))
         return known or (name if len(name) == 1 else self.arguments.get(_OTHER, name))
 
     def kind(self, argument: str) -> str:
-        """What the words of an argument are: "room"; those of an unknown one are words."""
+        """The kind of an argument's words, such as "room"; "word" for an unknown argument."""
         return argument if argument in self.arguments else self.arguments.get(_WORD, "")
 
     def _because(self, sentence: str, reason: Reason) -> str:
@@ -372,7 +374,7 @@ class Phrasebook:
         return brief(self, value, said) if isinstance(value, tuple) else self._told(value)
 
     def _told(self, value: str | Reason | Named) -> Word | str:
-        """What a reason is about: another reason, a word with its forms, or a name as it is."""
+        """A reason's value for a sentence: another reason, a word with its forms, or a name."""
         if isinstance(value, Reason):
             return bare(self.reason(value))
         if isinstance(value, Named):
@@ -397,7 +399,7 @@ class Phrasebook:
         return one.phrases.get(self.code) or known
 
     def _is_called_by_its_own(self, one: Skill) -> bool:
-        """Whether a skill brings what people say to call it, in this language."""
+        """True if a skill brings its own templates or examples in this language."""
         brought = bool(one.templates or one.examples)
         return not self.fallback and brought and self.code not in one.phrases
 
@@ -425,7 +427,7 @@ class Phrasebook:
         return self._first(one, self._phrases(one).actions, arguments)
 
     def _speaks(self, one: Skill) -> bool:
-        """Whether a skill brings its own sentences in this language."""
+        """True if a skill brings its own sentences in this language."""
         return not self.fallback and bool(one.says or one.done or one.action)
 
     def _first(self, one: Skill, templates: Sequence[str], values: Mapping[str, Any]) -> str:

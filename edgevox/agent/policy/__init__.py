@@ -1,8 +1,9 @@
-"""What the robot may be asked for: by which way, within which limits; read from one YAML file.
+"""The policy: permitted requests by way, and limits of motion, read from one YAML file.
 
-`format` is the file, `policy` judges by it, `guard` is whom everybody asks: it holds the policy in
-force, reads the file again when it has changed, and counts what is refused. Imports core, and of
-the agent skills and reasons.
+`file` is its format and `limits` its limits; `policy` judges by them. `guard` is the entry for all
+callers: it holds the policy in force, reads the file again when it has changed, and counts
+refusals. `explain` puts a policy into words, `status` reports it. Imports core, and of the agent
+only skills and texts.
 """
 
 from edgevox.agent.policy.file import Denied, NeedsConfirmation, PolicyFile, Rule, Verdict

@@ -1,4 +1,4 @@
-"""What a policy permits, in plain words: a line for each way in, and for each limit."""
+"""The explanation of a policy in plain words: a line for each way in, and for each limit."""
 
 from collections.abc import Iterator, Mapping
 
@@ -11,7 +11,7 @@ _DONE = {Rule.ALLOW: "is done", Rule.CONFIRM: "is done after a yes", Rule.DENY: 
 
 
 def explain(file: PolicyFile) -> list[str]:
-    """All of it; what no line names is not limited. To stop is permitted always."""
+    """The lines about a policy. Nothing else is limited, and stopping is always permitted."""
     return [*(_way(file, way) for way in Way), *_limits(file.limits)]
 
 
@@ -26,7 +26,7 @@ def _way(file: PolicyFile, way: Way) -> str:
 
 
 def _skills(file: PolicyFile, way: Way) -> set[str]:
-    """Those that an entry for this way names."""
+    """Names of the skills in the entries for this way."""
     return {name for one in (way.value, ANY) for name in file.of_way(one)} - {ANY}
 
 

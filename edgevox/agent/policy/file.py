@@ -1,6 +1,6 @@
-"""The format of a policy file, validated: nothing in it is guessed, nothing is left out.
+"""The format of a policy file, its validation, and the verdicts of a policy.
 
-What a policy says of one thing that is asked.
+Validation guesses nothing and ignores nothing: an unknown key is an error.
 """
 
 from collections.abc import Mapping
@@ -23,7 +23,7 @@ from edgevox.core.ways import Way
 
 
 class Rule(StrEnum):
-    """What becomes of it: it is done, done once somebody has said yes, or refused."""
+    """Rules for a request, from mild to strict: do it, do it after a yes, refuse it."""
 
     ALLOW = "allow"
     CONFIRM = "confirm"
@@ -32,14 +32,14 @@ class Rule(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class Verdict:
-    """A rule, and why it is not simply done."""
+    """A rule, with the reason if it is not `ALLOW`."""
 
     rule: Rule
     reason: Reason = NO_REASON
 
 
 class Denied(SkillFailed):
-    """The policy refuses it. `skill` is what was asked for, by this `way`."""
+    """The policy refuses `skill`, which was asked for by this `way`."""
 
     def __init__(
         self, reason: Reason, way: Way, skill: str, arguments: Mapping[str, Any] | None = None
@@ -51,14 +51,14 @@ class Denied(SkillFailed):
 
 
 class NeedsConfirmation(Denied):
-    """The policy wants a yes first, and there is somebody to ask.
+    """The policy wants a yes first, and a person can be asked.
 
-    Whoever cannot ask refuses it, as everything else that is denied.
+    A caller that cannot ask must refuse the request, as for any other `Denied`.
     """
 
 
 ANY = "*"
-"""Stands for every skill, or every way in."""
+"""Key that stands for every skill, or for every way in."""
 MOST_SKILLS = 200
 
 WayName = Literal[
@@ -73,13 +73,13 @@ WayName = Literal[
     "console_viewer",
     "console_operator",
 ]
-"""Every `Way`, and all of them."""
+"""The names of all `Way`s, and `*` for all of them."""
 SkillName = Annotated[str, StringConstraints(pattern=r"^(\*|[A-Za-z_][A-Za-z0-9_]*)$")]
 RuleWord = Literal["allow", "confirm", "deny"]
 
 
 def _of_all_skills(value: Any) -> Any:
-    """One word stands for every skill."""
+    """Turn a single word into rules: it stands for every skill."""
     return {ANY: value} if isinstance(value, str) else value
 
 
@@ -106,15 +106,15 @@ class PolicyFile(PolicyPart):
 
     @property
     def skills(self) -> frozenset[str]:
-        """All skills that rules name."""
+        """Names of all skills in the rules."""
         return frozenset(name for one in self.rules.values() for name in one) - {ANY}
 
     def of_way(self, way: str) -> Mapping[str, str]:
-        """The entry of a way, or of all."""
+        """The rules under the name of a way, or under `*`."""
         return next((entry for name, entry in self.rules.items() if name == way), {})
 
     def rule(self, way: str, skill: str) -> Rule:
-        """What becomes of a skill that is asked for by this way."""
+        """The rule for a skill that is asked for by this way."""
         own, every = self.of_way(way), self.of_way(ANY)
         if found := _entry(own, skill):
             return Rule(found)
@@ -125,7 +125,7 @@ class PolicyFile(PolicyPart):
 
 
 def _entry(entry: Mapping[str, str], skill: str) -> str | None:
-    """What an entry says of a skill, however its name is written; the strictest of several."""
+    """The rule for a skill in an entry, in any spelling of its name; the strictest of several."""
     if skill in entry:
         return entry[skill]
     said = [Rule(word) for name, word in entry.items() if name != ANY and _is(name, skill)]
@@ -138,12 +138,12 @@ def _is(name: str, skill: str) -> bool:
 
 
 def read_policy_file(file: Path) -> PolicyFile:
-    """The policy in a file. Raises `InvalidValue` by file, line, field and what was expected."""
+    """The policy in a file. Raises `InvalidValue` with file, line, field and expectation."""
     return parse_policy(read_text(file, "policy"), file.name)
 
 
 def parse_policy(text: str, name: str) -> PolicyFile:
-    """As `read_policy_file`; `name` is the file's name in messages."""
+    """The policy in a text, as `read_policy_file`; `name` is the file's name in messages."""
     file = YamlFile(text, name)
     if not isinstance(file.data, dict):
         raise InvalidValue(name, file.data, "a mapping with rules and limits")

@@ -1,9 +1,8 @@
-"""Whom everybody asks before something is done: the policy in force, and what it refused.
+"""The guard, which every request passes: the policy in force, and the count of refusals.
 
-A policy file that may change under way: looked at when somebody asks, and read if it did.
-
-What counts is the file that its name leads to now: one written in place, one put in its place, and
-a folder's link that is swapped, as Kubernetes does with a ConfigMap.
+`WatchedFile` reads a policy file again when it has changed. The file's name decides: a file that is
+written in place, replaced, or reached by a swapped link counts as changed; Kubernetes swaps the
+link of a ConfigMap's folder.
 """
 
 import json
@@ -29,27 +28,33 @@ log = get_logger(__name__)
 
 
 Stamp = tuple[int, ...] | str
-"""What a file changes with it, or why nothing can be known of it."""
+"""Numbers that change with a file, or the reason why the file cannot be looked at."""
 
 
 class WatchedFile:
-    """Any thread may look; the policy changes as a whole or not at all."""
+    """A policy file that is read again after a change. Any thread may look.
+
+    The policy changes as a whole or not at all.
+    """
 
     def __init__(self, file: Path) -> None:
-        """Raises `InvalidValue` for a file that cannot be used."""
+        """Read the file. Raises `InvalidValue` if it cannot be used."""
         self._lock = threading.Lock()
         self._file = file
         self._seen = _stamp(file)
         self.policy = load_policy(file)
         self.fault = ""
-        """Why the file as it is now is not in force; empty if it is."""
+        """The reason why the present file is not in force; empty if it is."""
 
     def look(self) -> Policy:
-        """The policy in force: the file's, unless that cannot be read since it changed."""
+        """Read the file if it has changed, and return the policy in force.
+
+        A changed file that cannot be used leaves the old policy in force.
+        """
         if _stamp(self._file) == self._seen:
             return self.policy
         with self._lock:
-            now = _stamp(self._file)  # before it is read: what changes meanwhile is read again
+            now = _stamp(self._file)  # before the read: a later change is then seen next time
             if now != self._seen:
                 self._read(now)
         return self.policy
@@ -76,32 +81,30 @@ def _stamp(file: Path) -> Stamp:
 
 
 TELL_EVERY_S = 1.0
-"""Of velocities, which come at a rate, one refusal in so long is told; all are counted."""
+"""Least seconds between two reports of refused velocities, which come in streams; all count."""
 
 
 @dataclass(frozen=True, slots=True)
 class CheckedCall:
-    """One call of a skill, its arguments checked; `moves`: it sets the robot in motion.
-
-    `confirm`: the skill itself wants a yes, also where the policy does not. `towards_rad`: which
-    way a distance leads from where the robot looks.
-    """
+    """A call of a skill, as the policy judges it."""
 
     skill: str
+    """The skill's name."""
     arguments: Mapping[str, Any] = field(default_factory=dict)
+    """Its checked arguments."""
     moves: bool = True
+    """True if the call sets the robot in motion."""
     confirm: bool = False
+    """True if the skill itself wants a yes, even if the policy does not."""
     towards_rad: float = 0.0
+    """Direction of a distance among the arguments, from the robot's heading."""
 
 
 class Guard:
-    """Holds a policy, and asks it. Any thread may ask.
+    """Holds the policy in force and judges by it. Any thread may ask.
 
-    With a `file` it is that file's policy: read at once, which raises `InvalidValue`, and again
-    when something is asked and the file has changed. One that cannot be read leaves the old policy
-    in force, which is logged, and said by `fault` until it is mended. Without one the `fixed`
-    policy is in force. `around` is what is known of the robot, `now` the time of day. A refusal is
-    published as `GoalRejected`.
+    A changed file that cannot be read leaves the old policy in force; that is logged, and `fault`
+    tells it until the file is mended. A refusal is published as `GoalRejected`.
     """
 
     def __init__(
@@ -114,6 +117,16 @@ class Guard:
         now: Callable[[], datetime] = local_time,
         clock: Clock | None = None,
     ) -> None:
+        """Read the file, if there is one. Raises `InvalidValue` if it cannot be used.
+
+        Args:
+            file: The policy file, read again whenever a request finds it changed.
+            bus: Carries the refusals.
+            around: The places and the pose of the robot.
+            fixed: The policy in force without a file; by default one that permits all.
+            now: Returns the local time.
+            clock: Spaces the reports of refused velocities.
+        """
         self.around = around
         self._file = WatchedFile(file) if file else None
         self._fixed = fixed or Policy()
@@ -124,9 +137,9 @@ class Guard:
         self._refusals: Counter[tuple[str, ...]] = Counter()
         self._told_s = float("-inf")
         self.slowed = 0
-        """How many velocities were slowed to what is permitted."""
+        """Number of velocities that were slowed to the permitted speed."""
         self.last = ""
-        """What was refused last, in a few words; empty if nothing was."""
+        """The last refusal in a few words; empty if there was none."""
 
     @property
     def policy(self) -> Policy:
@@ -135,31 +148,31 @@ class Guard:
 
     @property
     def has_rules(self) -> bool:
-        """Whether anybody gave a policy: a file's, or one that the robot brings."""
+        """True if a policy was given: a file, or one that the robot brings."""
         return self._file is not None or self._fixed != Policy()
 
     @property
     def fault(self) -> str:
-        """Why the file as it is now cannot be used; empty if it is in force."""
+        """The reason why the present file cannot be used; empty if it is in force."""
         return self._file.fault if self._file else ""
 
     @property
     def refusals(self) -> Mapping[tuple[str, ...], int]:
-        """How much was refused, by way and code."""
+        """Number of refusals, by way and code."""
         with self._lock:
             return dict(self._refusals)
 
     def look(self) -> Policy:
-        """The policy in force, after a look at whether the file has changed."""
+        """Read the file again if it has changed, and return the policy in force."""
         return self._file.look() if self._file else self._fixed
 
     def check(
         self, way: Way, calls: Sequence[CheckedCall], turn: int = 0, *, confirmed: bool = False
     ) -> None:
-        """Raise `Denied` if one of these calls is refused, which is counted and told.
+        """Raise `Denied` if one of these calls is refused; count and report the refusal.
 
-        Else `NeedsConfirmation`, if one needs a yes: whoever cannot ask gives it to `refuse`. Where
-        somebody has `confirmed` them, that is enough.
+        Otherwise raise `NeedsConfirmation` if one needs a yes and they are not `confirmed`. A
+        caller that cannot ask must pass that exception to `refuse`.
         """
         unsure: NeedsConfirmation | None = None
         for one in calls:
@@ -174,11 +187,11 @@ class Guard:
             raise unsure
 
     def leave(self, way: Way, call: CheckedCall, *, confirmed: bool = False) -> "PolicyLeave":
-        """What a goal of this call is asked by when it begins, and while it goes on."""
+        """The permission that a goal of this call asks when it begins and while it goes on."""
         return PolicyLeave(self, way, call, confirmed=confirmed)
 
     def judge(self, way: Way, call: CheckedCall) -> None:
-        """Raise `Denied` or `NeedsConfirmation` for one call; nothing is counted or told."""
+        """Raise `Denied` or `NeedsConfirmation` for one call, without counting or reporting it."""
         verdict = self.look().judge(
             way,
             call.skill,
@@ -197,7 +210,7 @@ class Guard:
     def permit(
         self, way: Way, calls: Sequence[CheckedCall], turn: int = 0, *, confirmed: bool = False
     ) -> None:
-        """As `check`, for who cannot ask back: what needs a yes is refused, too."""
+        """As `check`, for a caller that cannot ask: a call that needs a yes is refused as well."""
         try:
             self.check(way, calls, turn, confirmed=confirmed)
         except NeedsConfirmation as unsure:
@@ -207,9 +220,9 @@ class Guard:
     def velocity(
         self, linear_m_s: float, angular_rad_s: float, way: Way = Way.CMD_VEL
     ) -> tuple[float, float]:
-        """What of a velocity may be followed. Raises `Denied`; a stand is never refused.
+        """The permitted part of a velocity. Raises `Denied`; standing still is never refused.
 
-        Takes microseconds: it does not look at the file.
+        Takes microseconds, because it does not look at the file.
         """
         if not (linear_m_s or angular_rad_s):
             return linear_m_s, angular_rad_s
@@ -223,13 +236,13 @@ class Guard:
         return permitted
 
     def refuse(self, denied: Denied, turn: int = 0, *, told: bool = False) -> None:
-        """Count a refusal, and tell of it in the log, and on the bus unless it is `told` there."""
+        """Count and log a refusal, and publish it unless it is `told` on the bus already."""
         self._count(denied)
         if denied.skill == VELOCITY and not self._due():
             return
         code = denied.reason.code
         log.info("policy_refused", way=str(denied.way), skill=denied.skill, code=code)
-        if not told and denied.way is not Way.ACTION:  # which tells of every goal that it rejects
+        if not told and denied.way is not Way.ACTION:  # an action reports its rejected goals
             self._bus.publish(_rejected(denied, turn))
 
     def _count(self, denied: Denied) -> None:
@@ -248,10 +261,10 @@ class Guard:
 
 
 class PolicyLeave:
-    """The leave of one goal: given when it was asked for, and asked again as it begins.
+    """The permission of one goal, asked again when it begins and while it goes on.
 
-    Meanwhile the policy, the places and the robot itself may have moved. While it goes on, only
-    another policy is asked again. A refusal is counted and logged; the goal tells of it as it ends.
+    By the beginning, the policy, the places and the robot may have changed. Later, only a new
+    policy is asked. A refusal is counted and logged; the goal's end reports it.
     """
 
     def __init__(self, guard: Guard, way: Way, call: CheckedCall, *, confirmed: bool) -> None:
@@ -260,12 +273,12 @@ class PolicyLeave:
         self._policy: Policy | None = None
 
     def begin(self) -> None:
-        """Raise `Denied` if it may not begin."""
+        """Raise `Denied` if the goal may not begin."""
         self._policy = self._guard.look()
         self._ask()
 
     def go_on(self) -> None:
-        """Raise `Denied` if another policy is in force now, and forbids it."""
+        """Raise `Denied` if a new policy is in force and forbids the goal."""
         policy = self._guard.look()
         if policy is not self._policy:
             self._policy = policy

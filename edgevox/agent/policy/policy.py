@@ -1,4 +1,4 @@
-"""Judges what is asked, by one policy file. It never changes; a new file is a new policy."""
+"""The policy, which judges requests by one file. It never changes: a new file is a new policy."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -16,20 +16,20 @@ from edgevox.core.ways import Way
 
 ALLOWED = Verdict(Rule.ALLOW)
 VELOCITY = "cmd_vel"
-"""What rules and refusals call the skill of being steered by velocities."""
+"""The name that rules and refusals give to steering by velocities, as if it were a skill."""
 NOWHERE = PolicyContext()
 
 
 def local_time() -> datetime:
-    """By the clock of the machine, and its time zone."""
+    """The time by the machine's clock and time zone."""
     return datetime.now().astimezone()
 
 
 @dataclass(frozen=True)
 class Policy:
-    """What is permitted. The empty one permits all that a robot's own limits let through.
+    """Judges requests. An empty policy permits all that the robot's own limits permit.
 
-    To stop is permitted always, whatever the file says.
+    Stopping is always permitted, whatever the file says.
     """
 
     file: PolicyFile = field(default_factory=PolicyFile)
@@ -46,11 +46,19 @@ class Policy:
         around: PolicyContext = NOWHERE,
         now: datetime | None = None,
     ) -> Verdict:
-        """What becomes of a skill, with checked arguments, asked for by this way.
+        """The verdict on a skill that was asked for.
 
-        `moves` says whether it sets the robot in motion; limits are for what does. `confirm` says
-        that the skill wants a yes where the file allows it, `towards_rad` which way a distance
-        leads. Where nobody can be asked, what needs a yes is refused.
+        A request that needs a yes is denied if its way has no person to ask.
+
+        Args:
+            way: The way of the request.
+            skill: The skill's name.
+            arguments: Its checked arguments.
+            moves: True if it sets the robot in motion; only then the limits apply.
+            confirm: True if the skill itself wants a yes, even if the file allows it.
+            towards_rad: Direction of a distance among the arguments, from the robot's heading.
+            around: The places and the pose of the robot.
+            now: The local time; the present by default.
         """
         if skill == STOP:
             return ALLOWED
@@ -71,22 +79,23 @@ class Policy:
         return Verdict(Rule.CONFIRM, because("needs_confirmation", way=way, skill=skill))
 
     def steered(self, now: datetime | None = None, way: Way = Way.CMD_VEL) -> Reason:
-        """Why it may not be steered by velocities now; none if it may. Takes microseconds.
+        """The reason against steering by velocities now; empty if it is allowed.
 
-        Nobody can be asked while somebody steers, so what needs a yes is refused by every way.
+        A rule that needs a yes refuses, since the robot cannot ask while a person steers. Takes
+        microseconds.
         """
         return self._steering[way] or (
             self.file.limits.closed(now or local_time()) if self.file.limits.hours else NO_REASON
         )
 
     def slowed(self, linear_m_s: float, angular_rad_s: float) -> tuple[float, float]:
-        """The velocity, or the same arc at the speed that is permitted."""
+        """The velocity, slowed to the permitted speed on the same arc if it is too fast."""
         speed = self.file.limits.speed
         return speed.within(linear_m_s, angular_rad_s) if speed else (linear_m_s, angular_rad_s)
 
     @cached_property
     def _steering(self) -> Mapping[Way, Reason]:
-        """Why the rules let nobody steer by velocities, by way; none where they do."""
+        """The reasons of the rules against steering by velocities, by way; empty if allowed."""
         return {way: _steering_by(way, self.file.rule(way, VELOCITY)) for way in Way}
 
 

@@ -1,4 +1,4 @@
-"""What the policy says of itself: the component `policy`."""
+"""The component `policy` of the status."""
 
 import difflib
 from collections.abc import Callable, Collection
@@ -12,15 +12,16 @@ from edgevox.core.errors import shorten
 from edgevox.core.status import ComponentName, Finding, HealthCheck, Level, Status
 
 _NEAR = 0.6
-"""How alike a name must be to one that is known, to be asked about."""
+"""Least similarity, from 0 to 1, of a known name to be suggested for an unknown one."""
 NO_FILE = "no file: only the robot's own limits"
 
 
 class PolicyComponent:
-    """A file that cannot be read, and names that nobody knows, are a warning: the one leaves an old
-    policy in force, the others have no effect. A refusal is what a policy is for.
+    """The policy in the status.
 
-    `skills` are all names that a rule may have on this robot.
+    A file that cannot be read is a warning, because the old policy stays in force. Unknown names
+    are a warning, because they have no effect. Refusals are normal. `skills` returns all names that
+    a rule may have on this robot.
     """
 
     name = ComponentName.POLICY
@@ -30,7 +31,7 @@ class PolicyComponent:
         self._guard, self._skills = guard, skills
 
     def status(self) -> Status:
-        """How it is now; looks at whether the file has changed."""
+        """The status now; reads the file again if it has changed."""
         guard = self._guard
         file = guard.look().file
         found = []
@@ -57,10 +58,10 @@ class PolicyComponent:
 def unknown_names(
     file: PolicyFile, skills: Collection[str], around: PolicyContext = NOWHERE
 ) -> list[str]:
-    """Skills and places of the file that this robot has not, each with the nearest that it has.
+    """Skills and places of the file that this robot does not have, each with a near known name.
 
-    A place is known by any name that people mean it by. A place that was taught is known only to
-    `never`: its name permits nothing.
+    A place is known by any of its names. A taught place is known only to `never`, because its name
+    permits nothing.
     """
     forms = {name_form(one) for one in skills}
     found = [
@@ -82,7 +83,7 @@ def unknown_names(
 
 
 def _no_such(kind: str, name: str, known: Collection[str]) -> str:
-    """In words, with what it is most alike."""
+    """The finding about an unknown name, with the most similar known one."""
     forms = {name_form(one): one for one in known}
     near = difflib.get_close_matches(name_form(name), forms, n=1, cutoff=_NEAR)
     ask = f"; did you mean {forms[near[0]]}?" if near else ""

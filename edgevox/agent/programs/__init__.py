@@ -1,6 +1,6 @@
-"""Small programs: orders that are repeated, delayed, or wait for something to be so.
+"""Small programs: orders that are repeated, delayed, or wait for a condition.
 
-Sentences become frozen dataclasses (`program`) by templates alone, never by a language model; they
-are bounded (`program_limits`), kept and run one after another on the goal runner (`keeper`,
-`program_run`).
+Templates alone, never a language model, turn sentences into programs (`agent.nlu.orders`,
+`agent.nlu.order_reader`). `store` bounds them and holds them, `keeper` starts and ends them, `run`
+runs their steps on the goal runner.
 """

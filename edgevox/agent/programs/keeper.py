@@ -1,4 +1,4 @@
-"""Keeps programs: they wait without a thread of their own, are checked when they fire, and end."""
+"""The keeper of programs, which wait without a thread, are checked when they fire, and end."""
 
 import uuid
 from collections.abc import Callable, Mapping, Sequence
@@ -41,15 +41,15 @@ from edgevox.core.motion.interlock import Tell
 from edgevox.core.reason import NO_REASON, Reason
 
 LEAD_S = 2.0
-"""A program that begins to move by itself says so this long before it does."""
+"""Seconds from the announcement of a program that moves by itself to its motion."""
 
 
 class Programs:
     """The programs that wait and run. Every method may be called from any thread.
 
-    One that is due takes the place of whatever moves, as any order does, and whatever takes the
-    place of one that runs ends it. `stop` ends all of them. Nothing is kept beyond the process: a
-    robot that begins to move by itself after a start is a surprise.
+    A program that is due replaces the running motion, as any order does; a motion that replaces a
+    running program ends it. `stop` ends all programs. Programs do not outlive the process: a robot
+    must not begin to move by itself after a start.
     """
 
     def __init__(
@@ -64,6 +64,18 @@ class Programs:
         timer: Timer | None = None,
         senses: Senses = NO_SENSES,
     ) -> None:
+        """Store the collaborators and follow the hands.
+
+        Args:
+            bus: Carries `ProgramChanged`.
+            hands: Checks and runs the steps: the `SkillExecutor`.
+            skills: The skills that steps may call.
+            announce: Says a sentence that no turn asked for.
+            phrases: Returns the sentences of the current language.
+            clock: Measures waits and runs.
+            timer: Wakes programs at their time; `Deadlines` by default.
+            senses: The body's battery and way back, for conditions and returns.
+        """
         self._hands = hands
         self._permission = Permission(hands, skills, senses, phrases)
         self._skills = skills
@@ -80,21 +92,21 @@ class Programs:
         self._timer.start()
 
     def close(self) -> None:
-        """Forget all of them, and wait for the timer's thread."""
+        """Forget all programs, and wait for the timer's thread."""
         self.stopped(self.stop(), because("shutting_down"))
         self._timer.close()
 
     @property
     def kept(self) -> Sequence[Kept]:
-        """Those that wait and run, in the order in which they were asked for."""
+        """All programs that wait and run, in the order of their requests."""
         return self._store.all
 
     def in_words(self, program: Program) -> str:
-        """What a program does, in the language that is spoken."""
+        """The program described in the current language."""
         return in_words(program, self._phrases(), self._skills)
 
     def told(self, kept: Kept) -> str:
-        """What one will do from now on, as a person is told."""
+        """The rest of a program, described for a person."""
         return self._store.text(kept)
 
     def listed(self) -> Mapping[str, Any]:
@@ -103,15 +115,15 @@ class Programs:
         return {"programs": [{key: one[key] for key in one if key != "kind"} for one in found]}
 
     def drives(self, program: Program) -> bool:
-        """Whether it sets the body in motion."""
+        """True if the program sets the body in motion."""
         return drives(program, self._skills)
 
     def may_keep(self, program: Program, turn: Turn, *, confirmed: bool = False) -> bool:
-        """Whether it may be kept; else why not is said. Raises `NeedsConfirmation`."""
+        """True if the program may be kept; if not, say why. Raises `NeedsConfirmation`."""
         return self._permission.is_given(program, turn, confirmed=confirmed)
 
     def keep(self, program: Program, turn: Turn, *, confirmed: bool = False) -> bool:
-        """Keep what `may_keep` allowed and say so; else why not is said, as motion is forbidden."""
+        """Keep a program that `may_keep` allowed, and say so; if motion is forbidden, say that."""
         kept = Kept(uuid.uuid4().hex, program, turn.number, turn.way, turn.mark, confirmed)
         try:
             self._permission.check(kept)
@@ -127,37 +139,37 @@ class Programs:
         return True
 
     def forget(self, some: Sequence[Kept], reason: Reason) -> None:
-        """End these, and what moves for them."""
+        """End these programs and their motion."""
         self.stopped([one for one in some if self._store.take(one)], reason)
 
     def motion_forbidden(self, reason: Reason) -> Tell:
-        """Take all of them: none begins to move by itself when motion is allowed again.
+        """Take all programs, so that none moves by itself when motion is allowed again.
 
-        What this returns ends and tells of them.
+        Returns a function that ends and reports them.
         """
         return partial(self._forbidden, self.stop(), reason)
 
     def forget_by_id(self, program_id: str, reason: Reason) -> None:
-        """End one, or all where the id is empty. Raises `InvalidValue` if there is no such one."""
+        """End one program, or all if the id is empty. Raises `InvalidValue` for an unknown id."""
         some = [one for one in self.kept if program_id in ("", one.id)]
         if program_id and not some:
             raise InvalidValue("program", program_id, "the id of one that waits or runs")
         self.forget(some, reason)
 
     def stop(self) -> Sequence[Kept]:
-        """None of those that are kept may begin to move from now on; nobody is told yet."""
+        """Take all programs, so that none begins to move, and return them; publishes nothing."""
         return [one for one in self.kept if self._store.take(one)]
 
     def stopped(self, ended: Sequence[Kept], reason: Reason) -> None:
-        """These were taken: end what moves for them, and say so on the bus."""
-        for one in ended:  # all of them, before anybody is told of one
+        """End the motion of these taken programs, and publish their end."""
+        for one in ended:  # cancel all before publishing any
             if one.goal is not None:
                 one.goal.token.cancel(reason)
         for one in ended:
             self._store.tell(one, ProgramStatus.CANCELLED, reason)
 
     def goal_ended(self, goal: Goal) -> None:
-        """A goal that moved has ended, and its end was said."""
+        """Tell the waits that a moving goal has ended; its end was said."""
         self._waits.goal_ended(goal)
 
     def _forbidden(self, ended: Sequence[Kept], reason: Reason) -> None:
@@ -168,7 +180,7 @@ class Programs:
             self._announce(self._phrases().say("program_forgotten", orders=orders))
 
     def _begin(self, kept: Kept) -> None:
-        """Let its time come, or what it waits for; else run it."""
+        """Wait for the program's time or condition; without one, run it."""
         match kept.program:
             case After(delay_s=delay_s):
                 kept.due_s = self._clock.now() + delay_s
@@ -188,7 +200,7 @@ class Programs:
                 self._launch(kept)
 
     def _fire(self, kept: Kept) -> None:
-        """What it waited for is so: go on with what is in it, if that may still be."""
+        """Go on with the inner program after its time or condition came, if it is still allowed."""
         if not self._store.has(kept) or not isinstance(kept.program, After | When):
             return
         kept.program, kept.due_s = kept.program.program, None
@@ -202,7 +214,7 @@ class Programs:
             self._fail(kept, reason_of(error))
 
     def _announce_start(self, kept: Kept) -> None:
-        """Say that it is about to move, and let whoever is near hear it."""
+        """Warn people nearby that the robot is about to move, and set out `LEAD_S` later."""
         kept.due_s = self._clock.now() + LEAD_S
         order = continued(self.told(kept))
         self._announce(self._phrases().say("program_now", order=order))
@@ -215,7 +227,7 @@ class Programs:
             self._fail(kept, reason_of(error))
 
     def _launch(self, kept: Kept) -> None:
-        """Run its steps as one goal, whose events stay here. Raises while motion is forbidden."""
+        """Run the steps as one goal whose events stay here. Raises while motion is forbidden."""
         run = ProgramRun(
             kept.program,
             make=partial(self._permission.step, kept),
@@ -245,12 +257,12 @@ class Programs:
             self._end(kept, ProgramStatus.DONE)
             if isinstance(kept.program, Repeat):
                 self._announce(self._phrases().say("program_done"))
-        elif event.status is GoalStatus.FAILED:  # whoever runs goals says why
+        elif event.status is GoalStatus.FAILED:  # the executor says why
             run.left(event.reason or NO_REASON)
             self._end(kept, ProgramStatus.FAILED, event.reason)
 
     def _cancelled(self, kept: Kept, run: ProgramRun, event: GoalCancelled) -> None:
-        """Something else moves instead, unless it was ended here."""
+        """Handle a cancelled run: another motion replaced it, unless it was ended here."""
         run.left(event.reason)
         if self._end(kept, ProgramStatus.CANCELLED, event.reason):
             self._announce(self._phrases().say("program_replaced"))
@@ -265,7 +277,7 @@ class Programs:
         self._fail(kept, because("program_unmet", hours=f"{LONGEST_WAIT_S / 3600:g}"))
 
     def _missed(self, kept: Kept) -> None:
-        """What moved did not come to its end, so what was to follow does not."""
+        """Cancel a program whose awaited motion did not reach its end."""
         told = self.told(kept)
         if self._end(kept, ProgramStatus.CANCELLED, because("program_missed")):
             self._announce(self._phrases().say("program_forgotten", orders=told))
@@ -275,7 +287,7 @@ class Programs:
             self._announce(self._phrases().failure(reason))
 
     def _end(self, kept: Kept, status: ProgramStatus, reason: Reason | None = None) -> bool:
-        """Keep it no longer and tell of its end; False if it had ended before."""
+        """Take the program and publish its end; False if it had ended before."""
         taken = self._store.take(kept)
         if taken:
             self._store.tell(kept, status, reason)

@@ -1,4 +1,4 @@
-"""Whether a program may be kept, and each of its steps be done: by its bounds and the policy."""
+"""Permission for programs and for each of their steps, by the bounds and the policy."""
 
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Protocol
@@ -16,19 +16,19 @@ from edgevox.core.ways import Way
 
 
 class Hands(Protocol):
-    """What checks and does the steps: the `SkillExecutor`."""
+    """Checks and runs the steps of programs: the `SkillExecutor` does."""
 
     def follow(self, follower: Follower) -> None:
-        """Tell it of stops, and of the ends of goals."""
+        """Tell the follower of stops and of the ends of goals."""
 
     @property
     def moving(self) -> Goal | None:
-        """The last of the goals that move or wait to."""
+        """The last of the goals that move or wait to move."""
 
     def prepare(
         self, calls: Sequence[Call], skills: SkillSet, turn: Turn, *, confirmed: bool = False
     ) -> Sequence[Goal]:
-        """Goals of these calls; none where one may not be, which is said."""
+        """Goals of these calls; if one is not allowed, say so and return none."""
 
     def check(
         self,
@@ -40,7 +40,7 @@ class Hands(Protocol):
         mark: int | None = None,
         confirmed: bool = False,
     ) -> Mapping[str, Any]:
-        """Raise for a call that may not be made."""
+        """Raise for a call that is not allowed."""
 
     def step(
         self,
@@ -52,14 +52,14 @@ class Hands(Protocol):
         mark: int,
         confirmed: bool = False,
     ) -> Goal:
-        """A goal for a call, checked now."""
+        """Check a call now and return its goal."""
 
     def launch(self, goal: Goal, may: Callable[[], bool]) -> bool:
-        """Run a goal, unless it may not."""
+        """Run a goal, unless `may` returns False."""
 
 
 class Permission:
-    """Asks the policy for whoever gave the order, when it is told and again when it is done."""
+    """Asks the policy about a program, by the way of its order: at the order and at each step."""
 
     def __init__(
         self, hands: Hands, skills: SkillSet, senses: Senses, phrases: Callable[[], Phrasebook]
@@ -70,9 +70,9 @@ class Permission:
         self._phrases = phrases
 
     def is_given(self, program: Program, turn: Turn, *, confirmed: bool = False) -> bool:
-        """Whether it may be kept; else why not is said.
+        """True if the program may be kept; if not, say why.
 
-        Raises `NeedsConfirmation` if the policy wants a yes and nobody has `confirmed` it.
+        Raises `NeedsConfirmation` if the policy wants a yes and the program is not `confirmed`.
         """
         try:
             check_bounds(program, self._senses, self._skills.values())
@@ -84,7 +84,7 @@ class Permission:
         return bool(prepared) or not calls
 
     def check(self, kept: Kept) -> None:
-        """Raise for one that may not be now."""
+        """Raise if the program is not allowed now."""
         check_bounds(kept.program, self._senses, self._skills.values())
         for call in calls_of(kept.program):
             self._hands.check(
@@ -97,7 +97,7 @@ class Permission:
             )
 
     def step(self, kept: Kept, call: Call) -> Goal:
-        """The goal of a step that begins now. Raises for one that may not be."""
+        """The goal of a step that begins now. Raises if the step is not allowed."""
         return self._hands.step(
             call, self._skills, kept.way, kept.turn, mark=kept.mark, confirmed=kept.confirmed
         )

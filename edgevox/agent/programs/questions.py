@@ -1,7 +1,4 @@
-"""What people ask of the programs that are kept: which there are, and to forget some.
-
-Which programs somebody means who says a few words of one.
-"""
+"""Questions about the kept programs: list them, or forget those that a few words name."""
 
 import re
 from collections.abc import Callable, Iterator, Sequence
@@ -31,9 +28,9 @@ _UNITS_S = (1.0, 60.0, 3600.0)
 
 
 def meant(what: str, kept: Sequence[Kept], book: Phrasebook) -> Sequence[Kept] | None:
-    """Those of which most is said; None if nothing that is said is about any.
+    """The programs that the words fit best; None if the words are about no program.
 
-    Where only "the order" is said, it is the only one there is, or nobody knows which: empty.
+    Words that only say "the order" mean the only program; with several, the result is empty.
     """
     said = key(what)
     scores = [sum(_holds(said, one, book) for one in _features(each, book)) for each in kept]
@@ -46,7 +43,7 @@ def meant(what: str, kept: Sequence[Kept], book: Phrasebook) -> Sequence[Kept] |
 
 
 def _features(one: Kept, book: Phrasebook) -> Iterator[str]:
-    """What may be said of a program, each of it in all its forms, joined by bars."""
+    """The features by which words can name a program, each with all its forms joined by bars."""
     names = book.programs.names
     for call in calls_of(one.program):
         for value in call.arguments.values():
@@ -68,7 +65,7 @@ def _features(one: Kept, book: Phrasebook) -> Iterator[str]:
 
 
 def _holds(said: str, forms: str, book: Phrasebook) -> bool:
-    """Whether one of these forms is in what was said."""
+    """True if the words hold one of these forms."""
     for form in filter(None, map(key, forms.split("|"))):
         if form in said and (not book.hearing.spaced or _is_whole(form, said)):
             return True
@@ -83,7 +80,10 @@ _KINDS = ("list", "forget_all", "forget")
 
 
 class ProgramQuestions:
-    """Answers them, in the language of `phrases`; what `is_plain` is a command, and no question."""
+    """Answers questions about programs in the language of `phrases`.
+
+    A text for which `is_plain` returns True is a command, not a question.
+    """
 
     def __init__(
         self,
@@ -97,7 +97,7 @@ class ProgramQuestions:
         self._is_plain = is_plain
 
     def answer(self, text: str, turn: Turn) -> bool:
-        """Answer what is asked of the programs; False if nothing is."""
+        """Answer a question about the programs; False if the text is none."""
         phrases = self._phrases()
         codes = dict.fromkeys((phrases.code, ENGLISH))
         asked = [(book, *one) for book in map(phrasebook, codes) for one in _asked(text, book)]
@@ -111,7 +111,7 @@ class ProgramQuestions:
 
 
 def _answer(kind: str, what: str, programs: Programs, phrases: Phrasebook, book: Phrasebook) -> str:
-    """What is said to it; empty where something else must be meant."""
+    """The answer; empty if the text must mean something else."""
     kept = programs.kept
     if kind == "list":
         return listing(programs, phrases)

@@ -1,8 +1,7 @@
-"""Runs the steps of a program one after another, inside one goal of the goal runner.
+"""The run of a program, step by step inside one goal, and its description in words.
 
-So a program is pre-empted, cancelled, halted and left behind if it hangs as any goal is.
-
-Programs in words, in the language that is spoken: what each skill says when it begins.
+As one goal, a program is pre-empted, cancelled, halted, and left behind if it hangs, as any goal
+is. The description joins the sentences that the skills say when they begin.
 """
 
 import itertools
@@ -38,7 +37,7 @@ _MOST_UNITS = 2
 
 
 def in_words(program: Program, phrases: Phrasebook, skills: SkillSet) -> str:
-    """What it will do, as one sentence or several."""
+    """The program described in one or more sentences."""
     match program:
         case Do(calls=calls):
             return phrases.chained([_call(call, phrases, skills) for call in calls])
@@ -84,21 +83,20 @@ def _call(call: Call, phrases: Phrasebook, skills: SkillSet) -> str:
     one = skills[call.skill]
     try:
         said = phrases.acknowledge(one, one.validate(call.arguments))
-    except EdgeVoxError:  # its place may have been forgotten since: that is told when it is due
+    except EdgeVoxError:  # its place was forgotten since; the person is told when it is due
         said = ""
     return said or phrases.say("program_action", action=phrases.can(one))
 
 
 SHORTEST_ROUND_S = 1.0
-"""A round takes at least this long, so that steps that are done at once do not spin."""
+"""Least seconds of a round, so that a program of instant steps does not spin."""
 
 
 class ProgramRun:
-    """Does the steps of one program.
+    """Runs the steps of one program.
 
-    `make` gives the checked goal of a call, or raises as `SkillExecutor.check`. Ends of steps are
-    announced in the first round only: who watches a patrol knows after that. `on_round` is called
-    with the number of each round that begins.
+    The ends of steps are announced in the first round only: a person who watches a patrol knows
+    them after that.
     """
 
     def __init__(
@@ -112,6 +110,17 @@ class ProgramRun:
         clock: Clock,
         on_round: Callable[[int], None],
     ) -> None:
+        """Store the program and its collaborators.
+
+        Args:
+            program: The program to run.
+            make: Returns the checked goal of a call, or raises as `SkillExecutor.check`.
+            announce: Says a sentence that no turn asked for.
+            phrases: Returns the sentences of the current language.
+            way_back: Returns the call that leads back to the pose now, or None.
+            clock: Measures rounds.
+            on_round: Called with the number of each round that begins, from 1 on.
+        """
         self._program = program
         self._make = make
         self._announce = announce
@@ -124,7 +133,7 @@ class ProgramRun:
         self._first = True
 
     def as_skill(self, *, moves: bool) -> Skill:
-        """What the goal of this program runs."""
+        """The skill that the program's goal runs."""
 
         def program(goal: GoalHandle) -> Result:
             """Do the steps of a program."""
@@ -136,7 +145,7 @@ class ProgramRun:
         return skill(moves=moves)(program)
 
     def left(self, reason: Reason) -> None:
-        """The program has ended; so has the step that hangs, if one does."""
+        """Tell that the program has ended: end the current step too, even if it hangs."""
         if self._step is not None:
             self._step.end(GoalStatus.CANCELLED, reason)
 
@@ -173,7 +182,7 @@ class ProgramRun:
                 goal.token.wait(left_s)
 
     def _call(self, call: Call, goal: GoalHandle) -> None:
-        """One step as a goal of its own, to its end."""
+        """Run one step as a goal of its own, to its end."""
         goal.token.check()
         step = self._step = self._make(call)
         step.accept()

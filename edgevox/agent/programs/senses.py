@@ -1,4 +1,4 @@
-"""What programs ask of the body while they wait and run; a robot without one knows nothing."""
+"""The senses of the body that programs use while they wait and run."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -12,14 +12,13 @@ def _nowhere() -> Call | None:
 
 @dataclass(frozen=True, slots=True)
 class Senses:
-    """`battery` gives the charge left, 0 to 1, or None while that is not known; it must not block.
-
-    It is None for a robot that has no battery. `way_back` gives the call that leads back to where
-    the robot is now, None where it does not know.
-    """
+    """Senses of a body; by default those of a robot that knows nothing."""
 
     battery: Callable[[], float | None] | None = None
+    """Returns the charge from 0 to 1, or None while it is unknown. Must not block. None for a robot
+    without a battery."""
     way_back: Callable[[], Call | None] = _nowhere
+    """Returns the call that leads back to the pose now; None if the robot does not know it."""
 
 
 NO_SENSES = Senses()

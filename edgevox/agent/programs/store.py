@@ -1,10 +1,9 @@
-"""Where programs are kept: each is put there once, taken once, and told of on the bus.
+"""The store of programs, their bounds, and their waits.
 
-A program that is kept: what is left of it, when it is due, and how far it is.
-
-How much a program may be: what is more is refused, with a reason.
-
-What programs wait for besides time: a battery that gets low, a goal that ends.
+- `Kept`: a kept program with its rest, its due time and its progress.
+- `check_bounds`: refuses a program that is too large, with a reason.
+- `ProgramStore`: holds each program from one put to one take, and publishes its changes.
+- `Waits`: waits for a low battery or for the end of a goal.
 """
 
 import threading
@@ -38,50 +37,54 @@ from edgevox.core.ways import Way
 
 
 def _nothing() -> None:
-    """There is nothing to call off."""
+    """Call off nothing: the program has no timer."""
 
 
 @dataclass(eq=False, slots=True)
 class Kept:
-    """One program from its order to its end. Only who keeps it changes it.
-
-    `program` is what is left of it: without the delay, once that is over. `due_s` is the clock's
-    time when it goes on by itself, `goal` what runs its steps, `round` how often they were begun.
-    `way` is how it was asked for, in which `turn` and at which `mark` of the interlock, and
-    `confirmed` whether somebody said yes to it.
-    """
+    """A program from its order to its end. Only `Programs` and the store change it."""
 
     id: str
+    """The program's id."""
     program: Program
+    """The rest of the program: without its delay, once that is over."""
     turn: int
+    """Number of the turn that asked for it."""
     way: Way
+    """The way in which it was asked for."""
     mark: int
+    """The interlock's mark when it was asked for."""
     confirmed: bool = False
+    """True if a person said yes to it."""
     due_s: float | None = None
+    """The clock's time when it goes on by itself; None if it waits for no time."""
     round: int | None = None
+    """Number of times that its steps were begun; None if it does not repeat them."""
     goal: Goal | None = None
+    """The goal that runs its steps; None while it waits."""
     call_off: Callable[[], None] = field(default=_nothing)
+    """Calls off its timer."""
 
     @property
     def status(self) -> ProgramStatus:
-        """What it does while it is kept."""
+        """`WAITING`, or `RUNNING` once it has a goal."""
         return ProgramStatus.RUNNING if self.goal else ProgramStatus.WAITING
 
 
 MAX_PROGRAMS = 8
-"""How many programs may wait and run at a time."""
+"""Number of programs that may wait and run at a time."""
 MAX_TIMES = 100
-"""How often a program may repeat its steps, if it does not do so until it is stopped."""
+"""Number of times that a program may repeat its steps, unless it repeats them until a stop."""
 LONGEST_WAIT_S = 24 * 3600.0
-"""How long a program may wait for its time, or for what it waits for to be so."""
+"""Longest wait of a program for its time or its condition, in seconds."""
 LONGEST_RUN_S = 8 * 3600.0
-"""How long a program may run."""
+"""Longest run of a program, in seconds."""
 
 
 def check_bounds(program: Program, senses: Senses, skills: Collection[Skill]) -> None:
-    """Raise `SkillFailed` with the reason for a program that is too much, or cannot be.
+    """Raise `SkillFailed` with the reason for a program that is too large or impossible.
 
-    `skills` are all that the robot has.
+    `skills` are all skills of the robot.
     """
     if len(calls_of(program)) > MAX_CALLS:
         raise SkillFailed(because("program_long", count=str(MAX_CALLS)))
@@ -112,20 +115,20 @@ _TENTHS = 1
 
 
 class Timer(Protocol):
-    """Does things later, on one thread that else sleeps: `Deadlines` is one."""
+    """Runs actions later, on one thread that otherwise sleeps: `Deadlines` is one."""
 
     def start(self) -> None: ...
 
     def close(self) -> None: ...
 
     def set(self, seconds: float, action: Callable[[], None]) -> Callable[[], None]:
-        """Do it after so many seconds. Returns a way to call it off."""
+        """Run `action` after `seconds`. Returns a function that calls it off."""
 
 
 class ProgramStore:
-    """The programs that wait and run, in the order of their orders. Any thread may ask.
+    """The programs that wait and run, in the order of their requests. Any thread may ask.
 
-    `describe` says a program in words.
+    `describe` returns a program in words.
     """
 
     def __init__(
@@ -141,17 +144,20 @@ class ProgramStore:
 
     @property
     def all(self) -> Sequence[Kept]:
-        """Those that wait and run."""
+        """All programs that wait and run."""
         with self._lock:
             return tuple(self._kept.values())
 
     def has(self, kept: Kept) -> bool:
-        """Whether it was not taken yet."""
+        """True until the program is taken."""
         with self._lock:
             return kept.id in self._kept
 
     def put(self, kept: Kept, asked: CancelToken) -> bool:
-        """Keep it, unless who asked was stopped; raises `SkillFailed` where there is no room."""
+        """Keep a program; False if its turn was stopped. Raises `SkillFailed` if there is no room.
+
+        `asked` is the token of the turn that asked for it.
+        """
         with self._lock:
             if asked.cancelled:
                 return False
@@ -161,7 +167,7 @@ class ProgramStore:
             return True
 
     def take(self, kept: Kept) -> bool:
-        """Keep it no longer; False if it was taken before."""
+        """Remove a program and call off its timer; False if it was taken before."""
         with self._lock:
             taken = self._kept.pop(kept.id, None) is not None
             if taken:
@@ -169,14 +175,14 @@ class ProgramStore:
             return taken
 
     def later(self, kept: Kept, seconds: float, action: Callable[[], None]) -> None:
-        """Do this after so many seconds if it is kept then, instead of what was to be done."""
+        """Run `action` after `seconds` in place of the program's other timer, if it is kept."""
         with self._lock:
             if kept.id in self._kept:
                 kept.call_off()
                 kept.call_off = self._timer.set(seconds, action)
 
     def text(self, kept: Kept) -> str:
-        """What it will do from now on, as a person is told."""
+        """The rest of a program, described for a person."""
         left = kept.program
         if isinstance(left, After) and kept.due_s is not None:
             left = After(max(0.0, kept.due_s - self._clock.now()), left.program)
@@ -185,7 +191,7 @@ class ProgramStore:
     def event(
         self, kept: Kept, status: ProgramStatus | None = None, reason: Reason | None = None
     ) -> ProgramChanged:
-        """How it is, as an event."""
+        """The program's state as an event."""
         due_in_s = None
         if kept.due_s is not None and status is None:
             due_in_s = round(max(0.0, kept.due_s - self._clock.now()), _TENTHS)
@@ -197,18 +203,18 @@ class ProgramStore:
     def tell(
         self, kept: Kept, end: ProgramStatus | None = None, reason: Reason | None = None
     ) -> None:
-        """Say on the bus how it is, or how it ended, which is the last that is told of it."""
+        """Publish the program's state, or its `end`, after which nothing more is published."""
         with self._telling:
             if end is not None or self.has(kept):
                 self._bus.publish(self.event(kept, end, reason))
 
 
 LOOK_EVERY_S = 5.0
-"""How often the battery is looked at while a program waits for it."""
+"""Seconds between two looks at the battery while a program waits for it."""
 
 
 class Waits:
-    """Calls `met` once with each program for which it has come true, `missed` where it cannot."""
+    """Calls `met` once for each program whose condition came true, `missed` if it cannot."""
 
     def __init__(
         self,
@@ -228,7 +234,7 @@ class Waits:
         self._goals: dict[str, tuple[Goal, Kept]] = {}
 
     def for_battery(self) -> None:
-        """Look at the battery, now and as long as a program waits for it."""
+        """Look at the battery now, and repeat that while a program waits for it."""
         with self._lock:
             begins, self._looks = not self._looks, True
         if begins:
@@ -243,7 +249,7 @@ class Waits:
             self.goal_ended(goal)
 
     def goal_ended(self, goal: Goal) -> None:
-        """A goal has ended, and what there is to say of it was said."""
+        """Tell that a goal has ended and its end was said."""
         arrived = goal.status is GoalStatus.SUCCEEDED
         self._over(goal, self._met if arrived else self._missed)
 
@@ -256,7 +262,7 @@ class Waits:
             then(kept)
 
     def _look(self) -> None:
-        """On the timer's thread."""
+        """Look at the battery once, on the timer's thread."""
         charge = self._senses.battery() if self._senses.battery else None
         waiting = [kept for kept in self._store.all if _percent(kept) is not None]
         low = [kept for kept in waiting if charge is not None and _is_below(charge, kept)]

@@ -63,9 +63,9 @@ def check_numbers(name: str, arguments: Mapping[str, Any]) -> None:
 
 
 def from_words(model: type[BaseModel], said: Mapping[str, str]) -> dict[str, Any]:
-    """What these words of a sentence are as JSON values of their arguments' types.
+    """Words of a sentence as JSON values of their arguments' types.
 
-    What is no such value stays as it was said, for `check_arguments` to refuse by name.
+    A word that is no such value stays as it was said, for `check_arguments` to refuse by name.
     """
     return {name: _from_word(model, name, word) for name, word in said.items()}
 
@@ -93,7 +93,7 @@ def _numbers(path: str, value: Any) -> Iterator[tuple[str, float]]:
 
 
 def is_number_type(annotation: Any) -> bool:
-    """Whether this type, or all of it but None, is a number."""
+    """True if this type is a number, or a number or None."""
     either = get_origin(annotation) in (Union, UnionType)
     kinds = set(get_args(annotation) if either else (annotation,)) - {NoneType}
     return bool(kinds) and kinds <= {int, float}

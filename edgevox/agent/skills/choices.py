@@ -1,4 +1,4 @@
-"""Annotations of a skill's arguments: one of some words, or a name that nobody gave before."""
+"""Annotations of a skill's arguments: one of some words, or a new name."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
@@ -10,12 +10,12 @@ from pydantic_core import PydanticKnownError, core_schema
 from edgevox.agent.text.same_name import name_form
 
 MOST_HINTS = 6
-"""How many of the words that an argument takes a model is shown in examples."""
+"""Number of an argument's words that a language model sees in examples."""
 
 
 @dataclass(frozen=True, slots=True)
 class OwnName:
-    """What a word is called in one language, by whoever brings it: "die Apotheke".
+    """The name of a word in one language, from a file or a skill: "die Apotheke".
 
     `name` may begin with an article, by which the forms of going there (`to`), of being there
     (`at`) and of grasping it (`taken`) are found, unless they are given. `heard` are other things
@@ -35,22 +35,23 @@ OwnNames = Mapping[str, Mapping[str, OwnName]]
 
 @dataclass(frozen=True, slots=True)
 class OneOf:
-    """Annotates a string argument that takes one of some words, known only when the robot is.
+    """Annotates a string argument that takes one of some words.
 
-    `aliases` are other things people say for a word ("fridge": "kitchen"). Matching goes by the
-    form of a name: see `same_name`. They count in every language; `names` are
-    what a word is called in one: said, and understood while that is spoken. `learned` gives the
-    words that came while the robot runs; it is quick, and asked from any thread.
+    Words match by the form of a name: see `same_name`.
     """
 
     fixed: tuple[str, ...]
+    """The words that never change."""
     aliases: Mapping[str, str] = field(default_factory=dict)
+    """Other names for a word, in every language: "fridge" for "kitchen"."""
     learned: Callable[[], tuple[str, ...]] = tuple
+    """Returns the words learned at run time. Must be quick; any thread may call it."""
     names: OwnNames = field(default_factory=dict)
+    """Names of a word by language, said and understood while that language is spoken."""
 
     @property
     def words(self) -> tuple[str, ...]:
-        """All words that count now."""
+        """All words now, fixed and learned."""
         return (*self.fixed, *self.learned())
 
     def spoken(self) -> dict[str, str]:
@@ -81,7 +82,7 @@ class OneOf:
 
 @dataclass(frozen=True, slots=True)
 class NewName:
-    """Annotates a string argument that is a name which somebody gives now: "call this the dock".
+    """Annotates a string argument that is a new name: "call this the dock".
 
     A sentence gives it without its article; the `places` of a phrasebook are usual ones.
     """

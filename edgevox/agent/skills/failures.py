@@ -1,7 +1,4 @@
-"""What is wrong with a call: for programs as every error says it, for people as a reason.
-
-Why a skill does not do what was asked, as what is raised and as a reason that people hear.
-"""
+"""Failures of calls: exceptions for programs, each with a reason for people."""
 
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
@@ -15,7 +12,7 @@ from edgevox.core.files.validation import dotted, explain
 from edgevox.core.reason import Reason
 
 MOST_CHARACTERS = 40
-"""So much of a wrong value is said."""
+"""Number of characters of a wrong value that are said."""
 
 _NO_NUMBER = ("float_type", "float_parsing", "int_type", "int_parsing", "finite_number")
 _LIMITS = ("le", "lt", "ge", "gt")
@@ -122,7 +119,7 @@ class SkillFailed(EdgeVoxError):
 
 
 def reason_of(error: EdgeVoxError) -> Reason:
-    """Why something was not done, from what was raised."""
+    """The reason of an exception."""
     if isinstance(error, WrongArgument):
         return error.why
     return error.reason if isinstance(error, SkillFailed) else Reason(str(error))

@@ -1,4 +1,4 @@
-"""Whether a body goes anywhere, by its skills: what it is asked that needs that has a reason."""
+"""Reasons to refuse motions that a body's skills do not allow."""
 
 from collections.abc import Iterable
 
@@ -12,12 +12,12 @@ _TO_PLACE = "navigate_to"
 
 
 def no_way_back(skills: Iterable[Skill]) -> Reason:
-    """Why it cannot go to where it was; who goes somewhere is told what to say instead."""
+    """The reason why a robot cannot go back; another one if it cannot drive at all."""
     return because("cannot_go_back") if _goes(skills) else because("cannot_drive")
 
 
 def no_further(skills: Iterable[Skill]) -> Reason:
-    """Why what it did last cannot go on further."""
+    """The reason why a motion cannot go on further; another one if the robot cannot drive."""
     return because("not_relative") if _goes(skills) else because("has_no_further")
 
 

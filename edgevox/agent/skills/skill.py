@@ -37,18 +37,18 @@ STOP = "stop"
 
 
 class GoalHandle(Protocol):
-    """What a running skill sees of its goal."""
+    """The goal, as a running skill sees it."""
 
     @property
     def token(self) -> CancelToken:
-        """Cancelled when somebody wants this goal to end."""
+        """The token that is cancelled to end this goal."""
 
     def report(self, **feedback: Any) -> None:
         """Say how far it is, as JSON-ready values (``progress`` is 0 to 1)."""
 
 
 def _takes_any_words(schema: Any) -> bool:
-    """Whether a value by this JSON schema can hold a string that the schema does not list."""
+    """True if a value of this JSON schema can hold a string that the schema does not list."""
     if isinstance(schema, list):
         return any(_takes_any_words(one) for one in schema)
     if not isinstance(schema, Mapping) or "enum" in schema or "const" in schema:
@@ -68,72 +68,83 @@ def _takes_any_words(schema: Any) -> bool:
 
 @dataclass(frozen=True, slots=True)
 class Example:
-    """A sentence that no template catches, and its call: what a small model learns from."""
+    """A sentence that no template catches, with its call, as an example for a small model."""
 
     sentence: str
+    """The sentence."""
     arguments: Mapping[str, Any] = field(default_factory=dict)
+    """Arguments of the call."""
 
 
 @dataclass(frozen=True, slots=True)
 class SkillPhrases:
-    """One skill in one language. Of `says` and `done` the first counts whose values are all known.
-
-    `can` is what a robot with this skill can do, as a part of a sentence; `actions` are the part of
-    a question that asks whether it shall do it, with the arguments. `arguments` are what those are
-    called, where one of them is wrong: "the number of rounds". `words` are what is said for the
-    values of an argument or a result, by `value_key`: "true" of `docked` is "on my dock".
-    """
+    """The phrases of one skill in one language."""
 
     can: str = ""
+    """The ability as a part of a sentence."""
     actions: tuple[str, ...] = ()
+    """The action as the end of a question, with the arguments; the first that fits counts."""
     templates: tuple[str, ...] = ()
+    """Templates of the sentences that call the skill."""
     says: tuple[str, ...] = ()
+    """Acknowledgements; the first whose values are all known counts."""
     done: tuple[str, ...] = ()
+    """Reports of success; the first whose values are all known counts."""
     examples: tuple[Example, ...] = ()
+    """Examples for a language model."""
     arguments: Mapping[str, str] = field(default_factory=dict)
+    """Names of the arguments, for messages about a wrong one: "the number of rounds"."""
     words: Mapping[str, Mapping[str, str]] = field(default_factory=dict)
+    """Words for the values of an argument or result, by `value_key`: "true" of `docked` is "on my
+    dock"."""
 
 
 @dataclass(frozen=True)
 class Skill:
-    """One thing a robot can do.
-
-    `moves`: it uses the body, so it runs beside the conversation and pre-empts whatever moves; a
-    skill that does not is answered on the spot. `relative`: it moves by so much, not to somewhere,
-    so that it can go on further; a `distance` leads straight on `towards_rad` from where it looks,
-    counter-clockwise. `lasting`: what it changes stays when it is over, as when a place
-    is forgotten, so that it is asked about where it was not plainly said. `confirm`: somebody has
-    to say yes to it, as if the policy wanted that. `says` acknowledges the call, `done` reports
-    success, `action` ends a question that begins "Shall I"; all are formatted with the arguments,
-    `done` also with the result's keys. `phrases` are other languages by code, for a skill that no
-    phrasebook knows. `check` takes the arguments before a goal is accepted and raises `SkillFailed`
-    for those that can never be honoured, such as a point outside the world; it is quick, and does
-    nothing else. `entry` is the skill's entry in the phrasebooks where several bodies have a skill
-    of this name and are asked for it in different ways; a language without that entry has one for
-    all of them, by the skill's name.
-    """
+    """A skill of a robot."""
 
     name: str
+    """The function's name."""
     description: str
+    """The function's docstring, for people and language models."""
     function: Callable[..., Result | None]
+    """The function, which gets the goal and the arguments."""
     arguments_model: type[BaseModel]
+    """The model that checks the arguments."""
     templates: tuple[str, ...] = ()
+    """English templates of the sentences that call it."""
     examples: tuple[Example, ...] = ()
+    """English examples for a language model."""
     says: str = ""
+    """English acknowledgement, formatted with the arguments."""
     done: str = ""
+    """English report of success, formatted with the arguments and the result."""
     action: str = ""
+    """English end of a question that begins "Shall I", formatted with the arguments."""
     moves: bool = True
+    """True if it uses the body: it then runs beside the conversation and pre-empts other motion.
+    Any other skill is answered while the turn waits."""
     phrases: Mapping[str, SkillPhrases] = field(default_factory=dict)
+    """Phrases by language code, for a skill that no phrasebook knows."""
     check: Callable[..., None] | None = None
+    """Raises `SkillFailed` for arguments that can never be honoured, such as a point outside the
+    world, before a goal is accepted. Must be quick and do nothing else."""
     relative: bool = False
+    """True if it moves by an amount and not to a place, so that it can go on further."""
     towards_rad: float = 0.0
+    """Direction of its argument `distance`, counter-clockwise from the robot's heading."""
     lasting: bool = False
+    """True if it changes something for good, for example forgets a place: the robot then asks first
+    unless it was plainly said."""
     entry: str = ""
+    """Its entry in the phrasebooks, if several bodies have a skill of this name and people ask for
+    it in different ways. A language without that entry uses the one with the skill's name."""
     confirm: bool = False
+    """True if it always needs a yes, as if the policy wanted that."""
 
     @property
     def drives(self) -> bool:
-        """Whether it sets the body in motion."""
+        """True if the skill sets the body in motion."""
         return self.moves and self.name != STOP
 
     @property
@@ -148,12 +159,12 @@ class Skill:
 
     @property
     def new_names(self) -> frozenset[str]:
-        """The arguments that are names which somebody gives now."""
+        """The arguments that are new names."""
         return frozenset(name for name, extra in self._notes if isinstance(extra, NewName))
 
     @property
     def callable_now(self) -> bool:
-        """Whether every argument that it needs has a word to choose from."""
+        """True if every required argument has a word to choose from."""
         fields = self.arguments_model.model_fields
         return all(one.words for name, one in self.choices.items() if fields[name].is_required())
 
@@ -168,7 +179,7 @@ class Skill:
 
     @property
     def free_text(self) -> frozenset[str]:
-        """The arguments that take any words, so that they may hold what somebody said."""
+        """The arguments that take any words, and so may hold words of the person."""
         if not self.arguments_model.model_fields:
             return frozenset()
         properties: Mapping[str, Any] = self.schema.get("properties", {})
@@ -190,7 +201,7 @@ class Skill:
         return checked
 
     def from_words(self, said: Mapping[str, str]) -> dict[str, Any]:
-        """What the words of a sentence are as values of these arguments, where they are one."""
+        """Words of a sentence as values of the arguments' types, where possible."""
         return from_words(self.arguments_model, said)
 
 
@@ -268,7 +279,7 @@ class SkillSet(Mapping[str, Skill]):
         return len(self._skills)
 
     def words(self) -> tuple[tuple[tuple[str, str], ...], ...]:
-        """What may now be said for what word: what was made of others is outdated."""
+        """All spoken forms of all words now; tables derived from other words are stale."""
         return tuple(
             tuple(choices.spoken().items())
             for one in self._skills.values()

@@ -1,7 +1,7 @@
-"""A text as words in which a stop word can be found, however it was written.
+"""Splitting of a text into folded words, so that any spelling of a stop word is found.
 
 People shout, type without accents, lengthen letters and spell words out; attackers hide characters
-and use letters that look alike. All of that is folded here, for stop words only.
+and use letters that look alike. This module folds all of that, for stop words only.
 """
 
 import re
@@ -36,29 +36,28 @@ _SAME_LETTER = str.maketrans(
     | dict(zip("ŧтτмкнвտ", "tttmkhbs", strict=True))  # their capitals look like Latin ones
     | dict(zip("ᴀʙᴄᴅᴇꜰɢʜɪᴊᴋʟᴍɴᴏᴘʀꜱᴛᴜᴠᴡʏᴢ", "abcdefghijklmnoprstuvwyz", strict=True))
 )
-"""Letters that have no accent to take away, and are typed as others all the same."""
+"""Letters that no accent removal simplifies, with the letters that people type instead."""
 
 _FRAMED = {first + i: chr(ord("a") + i) for first in (0x1F150, 0x1F170, 0x1F1E6) for i in range(26)}
-"""Letters in black circles and squares and of flags, which have no other form in Unicode."""
+"""Letters in black circles and squares and of flags, for which Unicode names no plain form."""
 
 
 @dataclass(frozen=True, slots=True)
 class SpelledWord:
-    """A word of a text.
-
-    `exact` is lower case with its accents; `bare` is what it has in common with the other ways to
-    write it. `breaks` tells whether punctuation stands before it: then it begins a clause.
-    """
+    """A word of a text."""
 
     exact: str
+    """The word in lower case, with its accents."""
     bare: str
+    """The folded form that all ways to write the word share."""
     breaks: bool
+    """Whether punctuation stands before the word, so that it begins a clause."""
 
 
 def readings(text: str) -> Iterator[tuple[SpelledWord, ...]]:
-    """The words of a text, in each of the ways in which it can be read.
+    """The words of a text, once for each way to read it.
 
-    Hidden characters may stand in a word or between two, and so may punctuation ("s.t.o.p",
+    Hidden characters and punctuation may stand inside a word or between two words ("s.t.o.p",
     "don't.stop").
     """
     text = text.translate(_FRAMED)
@@ -71,7 +70,7 @@ def readings(text: str) -> Iterator[tuple[SpelledWord, ...]]:
 
 
 def spelled_out(found: tuple[SpelledWord, ...]) -> Iterator[str]:
-    """What letters that stand alone spell, bare: one text for each row of them."""
+    """The bare text that each row of single letters spells."""
     for alone, row in groupby(found, lambda word: len(word.exact) == 1 and word.exact.isalpha()):
         if alone:
             yield bare("".join(word.exact for word in row))
@@ -79,9 +78,9 @@ def spelled_out(found: tuple[SpelledWord, ...]) -> Iterator[str]:
 
 @lru_cache(maxsize=64)
 def words(text: str) -> tuple[SpelledWord, ...]:
-    """The words of a text without hidden characters, in their order.
+    """The words, in order, of a text that has no hidden characters.
 
-    A script without spaces has a word for each character.
+    In a script without spaces each character is a word.
     """
     found: list[SpelledWord] = []
     breaks, letters = True, ""
@@ -104,7 +103,7 @@ def words(text: str) -> tuple[SpelledWord, ...]:
                 found.append(SpelledWord(kana, _skeleton(kana), breaks))
             breaks = False
         elif not letters and unicodedata.category(character) in _MARKS:
-            continue  # on nothing, or on a character that is a word
+            continue  # a mark without a letter, or on a character that is a word by itself
         elif _in_word(character):
             letters += character
         else:
@@ -116,7 +115,7 @@ def words(text: str) -> tuple[SpelledWord, ...]:
 
 @lru_cache(maxsize=4096)
 def bare(word: str) -> str:
-    """Without accents, vowel marks, digits around it and repeated letters; look-alikes as one."""
+    """Fold a word: no accents, vowel marks, outer digits or repeated letters; look-alikes equal."""
     letters = word.strip(_DIGITS) or word
     letters = "".join(
         c for c in unicodedata.normalize("NFD", letters) if unicodedata.category(c) not in _MARKS
@@ -126,7 +125,7 @@ def bare(word: str) -> str:
 
 
 def _parts(letters: str) -> Iterator[str]:
-    """A word, or the two that an elision joins: "t'arrête" is "t'" and "arrête"."""
+    """The word, or the two words that an elision joins: "t'arrête" is "t'" and "arrête"."""
     letters = letters.strip("'")
     if letters:
         elided = _ELISION.match(letters)
@@ -135,7 +134,7 @@ def _parts(letters: str) -> Iterator[str]:
 
 @lru_cache(maxsize=64)
 def _uncut(text: str) -> str:
-    """Without the punctuation that stands within words."""
+    """Remove the punctuation inside words."""
     around = zip(" " + text, text, text[1:] + " ", strict=False)
     return "".join(c for before, c, after in around if not _cuts(before, c, after))
 
@@ -148,12 +147,15 @@ def _cuts(before: str, character: str, after: str) -> bool:
 
 @lru_cache(maxsize=4096)
 def _in_word(character: str) -> bool:
-    """Letters, digits and the marks that belong to them (the vowel signs of Hindi, say)."""
+    """True for letters, digits and their marks (the vowel signs of Hindi, for example)."""
     return character == "'" or unicodedata.category(character)[0] in "LMN"
 
 
 def _joins(text: str, i: int) -> bool:
-    """White space but the end of a line, and hyphens within words, part words, not clauses."""
+    """True if the character separates words but not clauses.
+
+    White space does, except the end of a line; so do hyphens within words.
+    """
     character = text[i]
     if character in _HYPHENS:
         around = text[max(0, i - 1) : i] + text[i + 1 : i + 2]
@@ -163,7 +165,7 @@ def _joins(text: str, i: int) -> bool:
 
 @lru_cache(maxsize=4096)
 def _stands_alone(character: str) -> bool:
-    """Chinese characters, kana, and pictures that stop."""
+    """True for a character that is a word: Chinese characters, kana, and pictures that stop."""
     code = ord(character)
     return (
         0x3041 <= code <= 0x30FA
@@ -185,9 +187,9 @@ def _skeleton(letters: str) -> str:
 
 @lru_cache(maxsize=1024)
 def _prototype(character: str) -> str:
-    """The letter that this one looks like, by Unicode's table of confusables; itself if none."""
+    """The letter that this one looks like in Unicode's table of confusables; itself if none."""
     similar = [one["c"] for one in confusables_data.get(character, ()) if len(one["c"]) == 1]
     if len(similar) != 1:
-        return character  # it is a prototype, or like nothing
+        return character  # a prototype itself, or similar to nothing
     (other,) = similar
     return min(character, other) if len(confusables_data.get(other, ())) == 1 else str(other)

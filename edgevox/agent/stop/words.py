@@ -1,7 +1,7 @@
-"""Stop words: what halts a robot at once, whatever a model is doing.
+"""The search for stop words in an utterance; a stop word halts the robot without any model.
 
-Those of the language that is spoken and English ones count wherever they stand; those of all other
-languages where they are said alone or first, unless they are words of the language that is spoken.
+Stop words of the spoken language and of English count anywhere in the utterance. Stop words of the
+other languages count only alone or first, and not if the spoken language uses the same word.
 """
 
 from collections import defaultdict
@@ -16,15 +16,17 @@ from edgevox.core.languages import LANGUAGES
 from edgevox.core.stop_words import STOP_SIGNS, STOP_WORDS, StopWords
 
 MAX_CHARACTERS = 4000
-"""How much of an utterance is searched in one go."""
+"""Number of characters that are searched in one go; a longer text is searched in parts."""
 OVERLAP = 200
-"""What two parts that are searched share: a stop word and what makes it innocent fit into it."""
+"""Number of characters that two parts share: room for a stop word and the innocent phrase around
+it."""
 WHOLE_PARTS = 5
-"""So many parts at each end of a long text are searched for whatever may stop."""
+"""Number of parts at each end of a long text that are searched in full."""
 MOST_FOUND = 64
-"""A long text with so many stop words between stops the robot, whatever stands around them."""
+"""Number of stop words in the middle of a long text that stop the robot, even if each stands in an
+innocent phrase."""
 _ALONE_MIN = 5
-"""A word of another language that is shorter counts only as it is written, with its accents."""
+"""A shorter word of another language must be written exactly, with its accents, to count."""
 _UNSPACED = ("ja", "zh")
 _SPELLED_MIN = 3
 _CLAUSE_END = "."
@@ -44,9 +46,9 @@ class _Found:
 class SafetyWords:
     """Finds a stop word of one language (English ones always count too) in an utterance.
 
-    A stop word counts wherever it stands, so that "hold it there, stop", "No! Don't! Stop!" and
-    "go to the kitchen, no, stop" all halt: rather one halt too many than one too few. It does not
-    where it is plainly part of something else in the same clause ("don't stop", "bus stop"). Some
+    A stop word counts anywhere, so that "hold it there, stop", "No! Don't! Stop!" and "go to the
+    kitchen, no, stop" all halt: one halt too many is better than one too few. A stop word does not
+    count if it is part of an innocent phrase in the same clause ("don't stop", "bus stop"). Some
     everyday words count only at the end of a clause, or alone: see `core/languages/en.toml`.
     """
 
@@ -55,12 +57,15 @@ class SafetyWords:
         _rules(code).prepare()
 
     def find(self, text: str) -> str | None:
-        """The stop word that this utterance holds, as the table spells it, or None."""
+        """The stop word in this utterance, as the table spells it, or None."""
         return find_stop_word(self._code, text)
 
 
 def find_stop_word(code: str, text: str) -> str | None:
-    """The same for once, of any language: what a stop needs is made ready when one is found."""
+    """The stop word in a text of any language, or None, without an object to keep.
+
+    The tables of innocent phrases are built only when a stop word is found.
+    """
     for part in _parts(text, code):
         for reading in readings(part):
             if found := _rules(code).find(reading):
@@ -72,7 +77,7 @@ def find_stop_word(code: str, text: str) -> str | None:
 
 
 class _Rules:
-    """The rows of a language and of English, ready to be looked up."""
+    """Lookup tables for the stop words of one language and of English."""
 
     def __init__(self, code: str) -> None:
         own = STOP_WORDS[code]
@@ -96,12 +101,12 @@ class _Rules:
             self._begun[bare[:2]].append(bare)
 
     def prepare(self) -> None:
-        """Make ready now what the first stop word would have to wait for."""
-        self._excused.reach  # noqa: B018 - it is made when it is first looked at
+        """Build the innocent phrases now, so that the first stop word does not wait for them."""
+        self._excused.reach  # noqa: B018 - the first access builds it
 
     @cached_property
     def _excused(self) -> "_Excused":
-        """What takes longest to make, and only a text with a stop word needs."""
+        """Innocent phrases: slow to build, and needed only for a text with a stop word."""
         return _Excused(_innocent(self._tables))
 
     def find(self, reading: Phrase) -> str | None:
@@ -113,7 +118,7 @@ class _Rules:
         return self._glued(reading) or self._spelled(reading) or self._at_an_end(reading, bares)
 
     def _at_an_end(self, reading: Phrase, bares: tuple[str, ...]) -> str | None:
-        """A word that counts at the end of its clause, or only where it is alone in it."""
+        """A stop word that counts only at the end of its clause, or only alone in it."""
         last, alone = [[*self._in(reading, table)] for table in (self._last, self._alone)]
         if not (last or alone):
             return None
@@ -127,7 +132,7 @@ class _Rules:
         return None
 
     def _glued(self, reading: Phrase) -> str | None:
-        """One word again and again without a space, as in "stopstopstop"."""
+        """A stop word repeated without spaces, as in "stopstopstop"."""
         for word in reading:
             for one in self._begun.get(word.bare[:2], ()):
                 if _repeats(one, word.bare):
@@ -135,7 +140,7 @@ class _Rules:
         return None
 
     def _spelled(self, reading: Phrase) -> str | None:
-        """A word letter by letter, as in "s, t, o, p"."""
+        """A stop word spelled letter by letter, as in "s, t, o, p"."""
         for letters in spelled_out(reading):
             for bare, said in self._whole.items():
                 if len(bare) >= _SPELLED_MIN and bare in letters:
@@ -152,13 +157,13 @@ class _Rules:
                     yield _Found(said, start, end)
 
     def _same(self, word: SpelledWord, wanted: SpelledWord) -> bool:
-        """Folded they are one, and unfolded it is no other word of the language."""
+        """True if both words fold to the same form, and `word` is no other word of the language."""
         return word.exact == wanted.exact or (
             word.bare == wanted.bare and word.exact not in self._others
         )
 
     def _is_innocent(self, reading: Phrase, bares: tuple[str, ...], found: _Found) -> bool:
-        """Whether it is within an innocent phrase that stands in one clause."""
+        """True if the stop word is part of an innocent phrase within one clause."""
         excused = self._excused
         for start in range(max(0, found.end - excused.reach), found.start + 1):
             for length in excused.lengths.get(bares[start], ()):
@@ -176,14 +181,14 @@ class _Rules:
         return False
 
     def _same_innocent(self, word: SpelledWord, wanted: SpelledWord) -> bool:
-        """As `_same`, and it is no other stop word: "dừng dừng" is not "đừng dừng"."""
+        """Like `_same`, but `word` may be no other stop word: "dừng dừng" is not "đừng dừng"."""
         return self._same(word, wanted) and (
             word.exact == wanted.exact or word.exact not in self._exact
         )
 
 
 class _Foreign:
-    """The stop words of all other languages, which count alone or first."""
+    """Stop words of all other languages, which count only alone or first."""
 
     def __init__(self, code: str) -> None:
         known = {word.casefold() for word in (*STOP_WORDS[code].all, *STOP_WORDS[code].ordinary)}
@@ -199,7 +204,7 @@ class _Foreign:
                         self._phrases[phrase[0].bare].append((phrase, said))
 
     def find(self, reading: Phrase) -> str | None:
-        """The stop word with which this begins."""
+        """The stop word at the beginning of this reading, or None."""
         for phrase, said in self._phrases.get(reading[0].bare, ()) if reading else ():
             end = len(phrase)
             if end > len(reading) or any(word.breaks for word in reading[1:end]):
@@ -211,12 +216,12 @@ class _Foreign:
 
 
 def _is_as_written(word: SpelledWord, wanted: SpelledWord) -> bool:
-    """Whether it is this word; a long one may lack its accents."""
+    """True if `word` is written as wanted; a long word may lack its accents."""
     return word.exact == wanted.exact or (word.bare == wanted.bare and len(word.bare) >= _ALONE_MIN)
 
 
 def _without(table: StopWords, ordinary: Sequence[str]) -> StopWords:
-    """A table of another language without what are ordinary words of the one that is spoken."""
+    """A copy of another language's table without the ordinary words of the spoken language."""
     left = {
         name: tuple(one for one in getattr(table, name) if one not in ordinary)
         for name in ("anywhere", "last", "alone")
@@ -229,7 +234,7 @@ _Innocent = dict[tuple[str, ...], list[tuple[Phrase, bool]]]
 
 
 class _Excused:
-    """Innocent phrases, ready to be looked up."""
+    """Lookup tables for innocent phrases."""
 
     def __init__(self, phrases: _Innocent) -> None:
         self.phrases = phrases
@@ -248,7 +253,7 @@ def _foreign(code: str) -> _Foreign:
 
 
 def _index(listed: Iterable[tuple[str, ...]]) -> _Index:
-    """Phrases and how the table spells them, by the first word's bare form."""
+    """Phrases with their spelling in the table, keyed by the bare form of their first word."""
     index: _Index = defaultdict(list)
     for rows in listed:
         for said, phrase in zip(rows, _phrases(rows), strict=True):
@@ -262,7 +267,7 @@ def _phrases(rows: tuple[str, ...]) -> tuple[Phrase, ...]:
 
 
 def _innocent(tables: Sequence[StopWords]) -> _Innocent:
-    """Innocent phrases, and whether each must end its clause, by their bare words."""
+    """Innocent phrases, each with whether it must end its clause, keyed by their bare words."""
     stops = {_bare(phrase) for table in tables for phrase in _phrases(table.all)}
     index: _Innocent = defaultdict(list)
     for phrase, must_end in chain.from_iterable(map(_innocent_phrases, tables)):
@@ -286,7 +291,7 @@ def _innocent_phrases(table: StopWords) -> tuple[tuple[Phrase, bool], ...]:
 
 
 def _lengths(phrases: Iterable[tuple[str, ...]]) -> dict[str, tuple[int, ...]]:
-    """How many words the phrases have that begin with a bare word, the shortest first."""
+    """Lengths of the phrases in words, the shortest first, keyed by their first bare word."""
     lengths: dict[str, set[int]] = defaultdict(set)
     for phrase in phrases:
         lengths[phrase[0]].add(len(phrase))
@@ -294,7 +299,10 @@ def _lengths(phrases: Iterable[tuple[str, ...]]) -> dict[str, tuple[int, ...]]:
 
 
 def _repeats(word: str, text: str) -> bool:
-    """Whether a bare text is this word again and again; its last letter may be its first too."""
+    """True if a bare text only repeats this word.
+
+    Two repeats may share a letter if the word begins and ends with it.
+    """
     more = word[1:] if word[0] == word[-1] else word
     times, rest = divmod(len(text) - len(word), len(more) or 1)
     return times > 0 and not rest and text == word + more * times
@@ -305,7 +313,7 @@ def _bare(phrase: Phrase) -> tuple[str, ...]:
 
 
 class _Quiet:
-    """Where nothing but quiet words, courtesies say, stands in a clause before or after a word."""
+    """Tells whether only quiet words, such as courtesies, surround a word in its clause."""
 
     def __init__(self, reading: Phrase, said: Iterable[_Found]) -> None:
         quiet = {i for one in said for i in range(one.start, one.end)}
@@ -318,11 +326,11 @@ class _Quiet:
             self._before[i + 1] = i in quiet and (word.breaks or self._before[i])
 
     def after(self, found: _Found) -> bool:
-        """Whether all is quiet between this and the end of its clause."""
+        """True if only quiet words stand between this word and the end of its clause."""
         return self._after[found.end]
 
     def before(self, found: _Found) -> bool:
-        """Whether all is quiet between the beginning of its clause and this."""
+        """True if only quiet words stand between the beginning of its clause and this word."""
         return self._reading[found.start].breaks or self._before[found.start]
 
 
@@ -331,10 +339,11 @@ def _ends_clause(reading: Phrase, end: int) -> bool:
 
 
 def _parts(text: str, code: str) -> Iterator[str]:
-    """The text, or what is searched of one that is too long to be done, in parts that overlap.
+    """The text, or overlapping parts of one that is too long to search in full.
 
-    One character may be written as eighteen. The beginning and the end are searched as any text is;
-    of what lies between, only where a stop word stands as the table spells it.
+    Unicode folding may turn one character into eighteen, so the folded length decides. The parts
+    at the beginning and the end come whole. Of the middle, only the surroundings of stop words come
+    that are written as in the table.
     """
     if len(text) <= 2 * MAX_CHARACTERS:
         folded = one_form(text)
@@ -355,7 +364,7 @@ def _parts(text: str, code: str) -> Iterator[str]:
 
 
 def _near_stop_words(text: str, code: str) -> Iterator[str]:
-    """Where stop words stand, with what is around; of very many, the words alone, which stop."""
+    """Each stop word with the text around it; from `MOST_FOUND` on the bare word, which stops."""
     folded = text.casefold()
     words = dict.fromkeys(said.casefold() for c in (code, "en") for said in STOP_WORDS[c].anywhere)
     for word in words:

@@ -1,4 +1,4 @@
-"""How numbers are said in one language: `edgevox.agent.phrases.numbers` reads them by it."""
+"""Number words of one language, by which `edgevox.agent.phrases.numbers` reads numbers."""
 
 import re
 from collections.abc import Mapping
@@ -19,7 +19,7 @@ class NumberWords:
     values: Mapping[str, float]
 
     def as_digits(self, text: str) -> str:
-        """The same text with these words as digits."""
+        """The text with these words as digits."""
         return self.pattern.sub(lambda match: f"{self.values[key(match[0])]:g}", text)
 
 
@@ -43,7 +43,7 @@ def number_words(words: Mapping[str, float], units: str = "") -> NumberWords | N
 
 @dataclass(frozen=True, slots=True)
 class Numbers:
-    """How numbers are said: what `edgevox.agent.phrases.numbers` reads.
+    """The table of numbers of a language, for `edgevox.agent.phrases.numbers`.
 
     `library` is the language whose number words text2num reads; empty if it knows none of these.
     """

@@ -16,9 +16,9 @@ from edgevox.core.files.text import without_hidden
 from edgevox.core.language_files import EVERY_LANGUAGE
 
 _SHORTEST = 3
-"""So many letters stay at least where an ending or a single letter is taken away."""
+"""Least number of letters that stay when an ending or a letter is removed."""
 _SHORTEST_SLIP, _NEAR = 5, 0.85
-"""How long a name must be, and how alike another, to be a slip for it."""
+"""Least length of a name, and least similarity of another, for a slip."""
 _MOST_SINGULARS = 256
 _DASHES = str.maketrans(dict.fromkeys("-_/.\N{EN DASH}\N{EM DASH}\N{MINUS SIGN}", " "))
 _LOOKALIKES = str.maketrans(
@@ -49,7 +49,7 @@ def name_form(name: str) -> str:
 
 
 def names_meant(name: str, known: Mapping[str, str]) -> tuple[str, ...]:
-    """Which of the words of `known` a name stands for; its keys are names, its values the words.
+    """The words that a name stands for; `known` maps names to words.
 
     Of the same form first; where there is none, the singular of it or its plural, or what begins
     as an article does: "do-ck".
@@ -66,7 +66,7 @@ def names_meant(name: str, known: Mapping[str, str]) -> tuple[str, ...]:
 
 
 def names_near(name: str, known: Mapping[str, str]) -> tuple[str, ...]:
-    """Which of these words a name may be a slip of the pen or of the ear for: "kichen".
+    """The words for which a name may be a writing or hearing error: "kichen".
 
     A name with a digit in it is none: "dock 2" is not "dock".
     """
@@ -79,7 +79,7 @@ def names_near(name: str, known: Mapping[str, str]) -> tuple[str, ...]:
 
 
 def is_same_name(one: str, other: str) -> bool:
-    """Whether two names are the same, or one is the plural of the other."""
+    """True if two names are the same, or one is the plural of the other."""
     return bool(names_meant(one, {other: other}))
 
 

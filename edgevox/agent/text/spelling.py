@@ -1,4 +1,4 @@
-"""One spelling of what a recogniser reads and what it is compared with.
+"""Spelling in one form, for the text of a recogniser and for the words to compare it with.
 
 It begins with the one form of each character that `core.text` gives any text from outside.
 """
@@ -24,7 +24,7 @@ TYPED_ALIKE: Mapping[str, str] = {
 """Letters that have no accent to take away, and are typed for each other all the same."""
 _TYPED_ALIKE = str.maketrans(dict(TYPED_ALIKE))
 ENDING = 2
-"""How many letters an ending may add to a name."""
+"""Number of letters that an ending may add to a name."""
 _SHORTEST_STEM = 4
 _UMLAUT = re.compile("([aou])e")
 _APOSTROPHE = re.compile(r"(?<=\w)' ?(?=\w)")
@@ -62,13 +62,13 @@ def folded(text: str) -> str:
 
 
 def key(text: str) -> str:
-    """What two spellings of one word have in common."""
+    """The key that two spellings of one word share."""
     plain = folded(separated(one_form(text.replace("_", " "))))
     return unpunctuated(plain.casefold())
 
 
 def is_same_name(said: str, name: str, *, inflected: bool) -> bool:
-    """Whether these keys are one name and not only alike: "living room", "livingroom", "kueche".
+    """True if these keys are one name, not only similar: "living room", "livingroom", "kueche".
 
     Names of languages that are `inflected` may end otherwise.
     """

@@ -13,7 +13,7 @@ from edgevox.core.files.yaml_file import value_key
 from edgevox.core.reason import Named
 
 _ONE_NAME = {"location": "room"}
-"""What phrasebooks call by another name: all places are spoken of as rooms."""
+"""Names of arguments that phrasebooks replace: all places are rooms to them."""
 
 
 def bare(sentence: str) -> str:
@@ -43,7 +43,7 @@ def fields(template: str) -> set[str]:
 
 
 def spoken_name(argument: str) -> str:
-    """How phrasebooks call an argument or a result of this name."""
+    """The name of an argument or a result in phrasebooks."""
     return _ONE_NAME.get(argument, argument)
 
 
@@ -52,32 +52,33 @@ _NO_WORD = {"name": "{name}"}
 
 @dataclass(frozen=True, slots=True)
 class Word:
-    """A word that an argument or a result may be, in the forms that sentences need.
-
-    `name` with its article, `to` and `at` with the prepositions of going and of being there,
-    `taken` as what somebody grasps. `heard` is what people say for it, `hints` are sentences of
-    people who mean it without saying it.
-    """
+    """A word for an argument or a result, in the forms that sentences need."""
 
     name: str
+    """The word with its article."""
     to: str
+    """The form with the preposition of going there."""
     at: str
+    """The form with the preposition of being there."""
     taken: str
+    """The form as the object of grasping."""
     heard: tuple[str, ...] = ()
+    """Other words that people say for it."""
     hints: tuple[str, ...] = ()
+    """Sentences that mean the word without naming it."""
 
     def __str__(self) -> str:
         return self.name
 
     def called(self, name: str) -> "Word":
-        """The same forms, of another name."""
+        """The word's forms with another name."""
         forms = (self.name, self.to, self.at, self.taken)
         named, to, at, taken = (form.replace("{name}", name) for form in forms)
         return Word(named, to, at, taken, heard=(name,))
 
 
 def word_of(data: Mapping[str, Any] | None) -> Word:
-    """A word of a phrasebook's file; without one the forms of a word that nobody knows."""
+    """A word of a phrasebook's file; without data, the forms of an unknown word."""
     data = data or _NO_WORD
     name = data["name"]
     return Word(

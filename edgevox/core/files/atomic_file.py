@@ -1,17 +1,17 @@
-"""Writes a file so that whoever reads it, after a power cut too, finds the old text or the new."""
+"""Atomic writing: after a power cut, a file holds the old text or the new one, never a mixture."""
 
 import os
 from pathlib import Path
 
 PRIVATE = 0o600
 PUBLIC = 0o666
-"""Less what the process's umask takes away, as of any file."""
+"""Permissions of a public file, from which the process's umask is taken."""
 
 
 def write_atomically(file: Path, text: str, mode: int = PRIVATE) -> None:
-    """Put this text there, with these permissions. Raises `OSError`, and then it is as it was.
+    """Write a text with these permissions. After an `OSError` the file is unchanged.
 
-    One writer at a time: what one left behind half is written over by the next.
+    Only one writer may write a file at a time; it replaces the partial file of an earlier one.
     """
     partial = file.with_name(f".{file.name}.partial")
     try:
@@ -24,7 +24,7 @@ def write_atomically(file: Path, text: str, mode: int = PRIVATE) -> None:
 
 
 def _write(file: Path, data: bytes, mode: int) -> None:
-    file.unlink(missing_ok=True)  # whatever it is: a pipe would be waited for
+    file.unlink(missing_ok=True)  # of any kind: opening a pipe would block
     flags = os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_NOFOLLOW | os.O_CLOEXEC
     with open(os.open(file, flags, mode), "wb") as stream:
         stream.write(data)
@@ -33,7 +33,7 @@ def _write(file: Path, data: bytes, mode: int) -> None:
 
 
 def _sync_folder(folder: Path) -> None:
-    """The new name is on the disk, too."""
+    """Make sure that the new name is on the disk as well."""
     number = os.open(folder, os.O_RDONLY | os.O_DIRECTORY | os.O_CLOEXEC)
     try:
         os.fsync(number)

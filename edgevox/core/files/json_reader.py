@@ -1,4 +1,4 @@
-"""Reads JSON that comes from outside: what two parsers could read differently is refused."""
+"""A reader of JSON from outside, which refuses text that two parsers could read differently."""
 
 import json
 from collections import Counter
@@ -8,20 +8,20 @@ from typing import Any
 from edgevox.core.errors import InvalidValue
 
 LARGEST_BYTES = 1_000_000
-"""The longest text that is read, where a reader does not say otherwise."""
+"""Default length of the longest text, in bytes."""
 DEEPEST = 32
-"""The most objects and lists inside each other."""
+"""Largest depth of nested objects and lists."""
 
 
 class _RefusedJson(ValueError):
-    """It is JSON, and still not taken; the message says what would be right."""
+    """Valid JSON that is refused; the message names the expectation."""
 
 
 def read_json(text: str | bytes, field: str, *, largest_bytes: int = LARGEST_BYTES) -> Any:
-    """The value that this text holds. Raises `InvalidValue`, naming `field`.
+    """The value of a JSON text. Raises `InvalidValue`, naming `field`.
 
-    A key stands once in its object: parsers differ in which of two they take. Numbers are finite,
-    characters are whole, and neither the text nor its nesting is without end.
+    Keys must be unique in their object, because parsers differ in which of two they take. Numbers
+    must be finite and characters whole; length and depth are bounded.
     """
     size = len(text if isinstance(text, bytes) else text.encode("utf-8", "surrogatepass"))
     if size > largest_bytes:
@@ -45,7 +45,7 @@ def read_json(text: str | bytes, field: str, *, largest_bytes: int = LARGEST_BYT
 def read_json_object(
     text: str | bytes, field: str, *, largest_bytes: int = LARGEST_BYTES
 ) -> dict[str, Any]:
-    """As `read_json`, of a text that must hold an object."""
+    """The object of a JSON text; as `read_json` otherwise."""
     data = read_json(text, field, largest_bytes=largest_bytes)
     if not isinstance(data, dict):
         raise InvalidValue(field, text, "a JSON object, keyword to value")
@@ -82,11 +82,11 @@ def _check_depth(data: Any) -> None:
 
 
 def _holders(value: dict[str, Any] | list[Any]) -> Iterable[dict[str, Any] | list[Any]]:
-    """The objects and lists right inside of one."""
+    """The objects and lists directly inside a value."""
     inner = value.values() if isinstance(value, dict) else value
     return (one for one in inner if isinstance(one, dict | list))
 
 
 def is_number(value: Any) -> bool:
-    """Whether this value is a number; True and False are none."""
+    """True for a number; True and False are none."""
     return isinstance(value, int | float) and not isinstance(value, bool)

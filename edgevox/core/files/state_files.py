@@ -1,7 +1,7 @@
-"""Files that the program wrote itself and reads when it starts: a damaged one never stops it.
+"""State files, which the program writes itself and reads at its start; damage never stops it.
 
-What cannot be used is renamed, so that nothing is lost or written over, and the program goes on as
-if the file had never been there.
+A file that cannot be used is renamed, so that nothing is lost or overwritten, and the program goes
+on as if the file had never existed.
 """
 
 import os
@@ -19,26 +19,26 @@ T = TypeVar("T")
 
 BROKEN = ".broken-"
 MOST_ASIDE = 100
-"""So many damaged files of one name are kept; of more, each stays where it is, unused."""
+"""Number of damaged files of one name that are renamed; a further one stays in place, unused."""
 
 
 class StateFiles:
-    """Reads state, keeps aside what it cannot use, and says so once: in the log, and as `fault`."""
+    """Reads state files and renames unusable ones; reports each once, in the log and as `fault`."""
 
     def __init__(self) -> None:
         self._faults: dict[Path, str] = {}
 
     @property
     def fault(self) -> str:
-        """Which files could not be used since the start; empty if all could. From any thread."""
+        """The files that could not be used since the start; empty if none. Any thread may ask."""
         return "; ".join(tuple(self._faults.values()))
 
     def read(self, file: Path, parse: Callable[[str], T], *, secret: bool = False) -> T | None:
-        """What `parse` makes of the file's text; None where there is no file, or none to be used.
+        """The result of `parse` for the file's text; None without a usable file.
 
-        A file is of no use if it is no regular one, is too large, is no text, or if `parse` raises.
-        Nothing of a `secret` one stands in the log. Raises `OSError` where it is not known what the
-        file holds: what you may not read now need not be damaged.
+        A file is unusable if it is not regular, too large or no text, or if `parse` raises. The
+        log shows nothing of a `secret` file. Raises `OSError` for a file that cannot be read now,
+        since it may be intact.
         """
         try:
             if _is_regular(file):
@@ -56,25 +56,25 @@ class StateFiles:
         return None
 
     def make_folder(self, folder: Path) -> None:
-        """Have this folder. What stands in its place is kept aside. Raises `OSError`."""
+        """Make a folder; rename another file in its place. Raises `OSError`."""
         if os.path.lexists(folder) and not folder.is_dir():
             self.keep_aside(folder, f"{folder}: expected a folder")
         folder.mkdir(parents=True, exist_ok=True, mode=0o700)
 
     def keep_aside(self, file: Path, reason: str) -> None:
-        """Rename what is of no use for this reason, if anything is there."""
+        """Rename an unusable file, if it exists, and report the reason."""
         if not os.path.lexists(file):
             return
         aside = _rename(file)
         if file in self._faults and not aside:
-            return  # told already, and it could not be moved then, either
+            return  # reported already: it could not be renamed before either
         kept = f"is kept as {aside}" if aside else "could not be renamed and stays unused"
         self._faults[file] = f"{file.name} was damaged and {kept}"
         log.error("state_kept_aside", file=str(file), aside=str(aside or ""), reason=reason)
 
 
 def _is_regular(file: Path) -> bool:
-    """Whether it is, or leads to, a regular file. Raises `OSError`, also where nothing is there."""
+    """True for a regular file or a link to one. Raises `OSError`, also for a missing file."""
     try:
         return stat.S_ISREG(os.stat(file).st_mode)
     except FileNotFoundError:
@@ -88,7 +88,7 @@ def _is_regular(file: Path) -> bool:
 
 
 def _rename(file: Path) -> Path | None:
-    """Its new name, which nothing had; None if it stays where it is."""
+    """Rename a file to an unused name and return that; None if it stays in place."""
     names = (file.with_name(f"{file.name}{BROKEN}{number}") for number in range(1, MOST_ASIDE + 1))
     aside = next((name for name in names if not os.path.lexists(name)), None)
     if aside is None:

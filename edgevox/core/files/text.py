@@ -1,19 +1,19 @@
-"""Text from outside, made safe to handle: bounded, on one line, without hidden characters.
+"""Functions that make text from outside safe: bounded, on one line, without hidden characters.
 
-What others sent reaches a terminal or a log through `one_line` or `printable` only.
+Text from outside may reach a terminal or a log only through `one_line` or `printable`.
 """
 
 import re
 import unicodedata
 
 MAX_CHARACTERS = 2000
-"""The longest utterance that is taken."""
+"""Length of the longest accepted utterance."""
 
 _REPLACEMENT = "\N{REPLACEMENT CHARACTER}"  # what a decoder leaves where bytes were not UTF-8
 _TERMINAL_CODE = re.compile(r"\x1b\[[0-?]*[ -/]*[@-~]")
 _COLOUR = re.compile(r"(\x1b\[[0-9;]*m)")
 _JOINERS = "\N{ZERO WIDTH NON-JOINER}\N{ZERO WIDTH JOINER}"
-"""Words of some languages are written with them."""
+"""Invisible joiners with which words of some languages are written."""
 _APOSTROPHES = str.maketrans(
     dict.fromkeys(
         "`\N{ACUTE ACCENT}\N{LEFT SINGLE QUOTATION MARK}\N{RIGHT SINGLE QUOTATION MARK}"
@@ -24,12 +24,12 @@ _APOSTROPHES = str.maketrans(
 _IGNORABLE = re.compile(
     "[\u034f\u115f\u1160\u17b4\u17b5\u180b-\u180f\u3164\ufe00-\ufe0f\uffa0\U000e0000-\U000e0fff]"
 )
-"""What Unicode calls default-ignorable, beside the format characters."""
+"""Characters that Unicode calls default-ignorable, without the format characters."""
 
 
 _JOINED = re.compile("(?<=\\d)(?=[\u00bc-\u00be\u2150-\u215f\u2189])")
 _RAISED = re.compile("(?<=\\d)(?=[\u00b2\u00b3\u00b9\u2070-\u2079\u2080-\u2089])")
-"""Fractions and powers right behind a number, which would become digits of it."""
+"""Positions of fractions and powers right after a number, which would become its digits."""
 
 
 def clean(text: str) -> str:
@@ -43,16 +43,16 @@ def one_form(text: str) -> str:
 
     "2\u00bd" becomes 2 and a fraction, and a power stays one: neither is a number of more digits.
     """
-    if text.isascii():  # in one form already, but for an accent that stands for an apostrophe
+    if text.isascii():  # in one form already, except a grave accent for an apostrophe
         return text.replace("`", "'")
     text = _RAISED.sub("^", _JOINED.sub(" ", text.translate(_APOSTROPHES)))
     return unicodedata.normalize("NFKC", text)
 
 
 def without_hidden(text: str, instead: str = "") -> str:
-    """The same text with something else for control, format and default-ignorable characters.
+    """The text with `instead` for control, format, private and default-ignorable characters.
 
-    White space of any kind stays; lone surrogates and private characters go too.
+    Lone surrogates are replaced as well; white space of any kind stays.
     """
     text = _IGNORABLE.sub(instead, _TERMINAL_CODE.sub(instead, text))
     if text.isprintable():
@@ -61,22 +61,19 @@ def without_hidden(text: str, instead: str = "") -> str:
 
 
 def one_line(text: str) -> str:
-    """The same text with what would break the line, steer a terminal or hide written as a code.
-
-    The codes are Python's.
-    """
+    """The text with Python's escapes for characters that break lines, steer terminals or hide."""
     if text.isprintable():
         return text
     return "".join(map(_coded, text))
 
 
 def printable(text: str) -> str:
-    """As `one_line`, of a text that may have several lines of its own."""
+    """The text as `one_line` makes it, but with its line ends."""
     return "\n".join(map(one_line, text.split("\n")))
 
 
 def printable_in_colour(line: str) -> str:
-    """As `one_line`, of a line that may have colours, and nothing else that steers a terminal."""
+    """The line as `one_line` makes it, but with its colours."""
     return "".join(one if _COLOUR.fullmatch(one) else one_line(one) for one in _COLOUR.split(line))
 
 

@@ -1,6 +1,6 @@
-"""Opens files that people name: regular ones, of a bounded size, and without waiting.
+"""Opening of files that people name: only regular ones, of a bounded size, and without waiting.
 
-A pipe would be waited for, a device may have no end, and both look like files until they are open.
+A pipe would block, a device may have no end, and both look like files until they are open.
 """
 
 import errno
@@ -15,7 +15,7 @@ LARGEST_TEXT_BYTES = 1_000_000
 
 
 def regular(path: str, flags: int) -> int:
-    """An `opener` for `open`: raises `OSError` for what is no regular file, at once."""
+    """An `opener` for `open` that raises `OSError` at once if the path is no regular file."""
     number = os.open(path, flags | os.O_NONBLOCK | os.O_NOCTTY | os.O_CLOEXEC, 0o666)
     mode = os.fstat(number).st_mode
     if stat.S_ISREG(mode):
@@ -26,7 +26,7 @@ def regular(path: str, flags: int) -> int:
 
 
 def open_file(file: Path, field: str, most_bytes: int) -> BinaryIO:
-    """The file, to be read. Raises `InvalidValue`, naming `field`, if it is none or too large."""
+    """Open a file to read. Raises `InvalidValue`, naming `field`, if it is no file or too large."""
     try:
         stream = open(file, "rb", opener=regular)  # noqa: SIM115 - the caller's
     except (OSError, ValueError) as error:  # a name may hold a NUL

@@ -1,4 +1,4 @@
-"""What pydantic finds wrong, as an `InvalidValue`: the field, its value and what would be right."""
+"""Conversion of pydantic's errors to `InvalidValue`: the field, its value and the expectation."""
 
 import re
 from collections.abc import Callable, Mapping
@@ -10,7 +10,7 @@ from pydantic_core import InitErrorDetails, PydanticCustomError
 from edgevox.core.errors import InvalidValue
 
 Place = tuple[str | int, ...]
-"""Where a value is in others: keys of mappings, indices of lists."""
+"""The way to a value inside others: keys of mappings, indices of lists."""
 
 _EXPECTED = {
     "missing": "a value",
@@ -24,9 +24,9 @@ def explain(
     name: Callable[[Place], str],
     other: Mapping[str, str] = MappingProxyType({}),
 ) -> InvalidValue:
-    """The first thing that is wrong. `name` says what a place is called.
+    """The first problem as an `InvalidValue`. `name` returns the name of a place.
 
-    `other` is what is expected where an error of pydantic's type needs other words than here.
+    `other` maps pydantic's error types to expectations that replace those of this module.
     """
     first = error.errors(include_url=False)[0]
     said = first["msg"].removeprefix("Value error, ").removeprefix("Input should be ")
@@ -36,17 +36,17 @@ def explain(
 
 
 def wrong(place: Place, value: object, expected: str) -> ValidationError:
-    """What a validator of a whole mapping raises for a value that is inside of it."""
+    """The error that a validator of a whole mapping raises for a value inside it."""
     message = PydanticCustomError("value_error", "{expected}", {"expected": expected})
     details = InitErrorDetails(type=message, loc=place, input=value)
     return ValidationError.from_exception_data("value", [details])
 
 
 def dotted(place: Place) -> str:
-    """The usual name of a place."""
+    """The name of a place, its parts joined by dots."""
     return ".".join(map(str, place))
 
 
 def _without_password(value: object) -> object:
-    """A value as it may be shown: what stands before the @ of an address is nobody's business."""
+    """A value that may be shown: without the part of an address before its @."""
     return re.sub(r"//[^/]*@", "//***@", value) if isinstance(value, str) else value

@@ -1,4 +1,4 @@
-"""Reads YAML that people write and others send: bounded in size, also with aliases."""
+"""A reader of YAML from people and from outside, bounded in size even with aliases."""
 
 import re
 from collections.abc import Collection, Iterator, Mapping
@@ -17,7 +17,7 @@ M = TypeVar("M", bound=BaseModel)
 
 MOST_OPEN = 200
 LONGEST_NUMBER = 100
-"""Characters: YAML has numbers to the base of 60, whose powers take minutes."""
+"""Length in characters: YAML has numbers to the base of 60, whose powers take minutes."""
 _MERGE = "tag:yaml.org,2002:merge"
 _NUMBERS = ("tag:yaml.org,2002:int", "tag:yaml.org,2002:float")
 _EXPECTED = {
@@ -34,7 +34,7 @@ _EXPECTED = {
     "int_parsing": "a whole number",
     "bool_parsing": "true or false",
 }
-"""In the words of people who write YAML, not of Python."""
+"""Expectations in words for people who write YAML, not Python."""
 
 
 class _KeyTwice(Exception):
@@ -45,10 +45,11 @@ class _KeyTwice(Exception):
 
 
 class _EachKeyOnce(yaml.SafeLoader):
-    """YAML's usual loader lets the second of two equal keys win, without a word.
+    """A safe loader that refuses repeated keys.
 
-    It also takes all time and memory for what `<<` multiplies, and fails in its own ways at a
-    value that is not what its tag says, as `!!int ""`.
+    The usual loader silently takes the second of two equal keys. It also uses unbounded time and
+    memory for merges (`<<`) that multiply, and raises errors of its own for a value that does not
+    fit its tag, such as `!!int ""`.
     """
 
     def __init__(self, stream: str) -> None:
@@ -69,7 +70,7 @@ class _EachKeyOnce(yaml.SafeLoader):
             ) from None
 
     def compose_mapping_node(self, anchor: dict[Any, yaml.Node]) -> yaml.MappingNode:
-        # Looked at as it is written: what `<<` merges may be overridden.
+        # Check the mapping as it is written: a key may override a merged one (`<<`).
         node = super().compose_mapping_node(anchor)
         lines: dict[Any, int] = {}
         for key, _ in node.value:
@@ -82,7 +83,7 @@ class _EachKeyOnce(yaml.SafeLoader):
         return node
 
     def _count_merged(self, node: yaml.MappingNode) -> None:
-        """Refuse what grows without end: each may merge several that have merged several."""
+        """Refuse merges that multiply: each mapping may merge several that merge several."""
         values = [value for key, value in node.value if key.tag == _MERGE]
         parts = [one.value if isinstance(one, yaml.SequenceNode) else [one] for one in values]
         merged = sum(self._pairs.get(id(part), 0) for inner in parts for part in inner)
@@ -112,9 +113,9 @@ def parse_yaml(text: str, name: str) -> Any:
 
 
 def _open_at_once(text: str) -> int:
-    """How many brackets are open at once, at most: many take YAML's reader a time without end.
+    """Largest number of open brackets: YAML's reader needs unbounded time for many.
 
-    Those of texts and comments count, too, since most of them are closed.
+    Brackets in texts and comments count as well, since most of them are closed.
     """
     opened = most = 0
     for bracket in re.findall(r"[\[{}\]]", text):
@@ -124,7 +125,7 @@ def _open_at_once(text: str) -> int:
 
 
 def _weight(node: Any, known: dict[int, int]) -> int:
-    """How many values there are with every alias written out; aliases can make a bomb of a file."""
+    """Number of values with every alias written out; aliases can make a small file explode."""
     if id(node) not in known:
         inner = node.values() if isinstance(node, dict) else node if isinstance(node, list) else ()
         known[id(node)] = 1 + sum(_weight(one, known) for one in inner)
@@ -132,9 +133,9 @@ def _weight(node: Any, known: dict[int, int]) -> int:
 
 
 class YamlFile:
-    """The values of a YAML text, read as models; what is wrong is said by file, line and field.
+    """The values of a YAML text, read as models; errors name file, line and field.
 
-    `tags` are kinds of a list's entries: pydantic puts them into a place, behind the index.
+    `tags` are kinds of a list's entries, which pydantic puts into a place after the index.
     """
 
     def __init__(self, text: str, name: str, tags: Collection[str] = ()) -> None:
@@ -142,37 +143,37 @@ class YamlFile:
         self._text, self._tags = text, tags
         self._whole = self.data
         self.at: Place = ()
-        """Where it stands in the whole file."""
+        """The place of `data` in the whole file."""
 
     def part(self, *place: str | int) -> "YamlFile":
-        """What stands at this place, as a file; what is wrong is said as of the whole one."""
+        """The part at this place as a file of its own; its errors name places in the whole file."""
         part = copy(self)
         part.at = (*self.at, *place)
         part.data = reduce(_inside, place, self.data)
         return part
 
     def read(self, model: type[M], data: Any, place: Place = ()) -> M:
-        """`data`, which stands at this place of the file, as such a model."""
+        """Read `data`, which stands at this place of the file, as a model."""
         try:
             return model.model_validate(data)
         except ValidationError as error:
             raise self.explain(error, place) from None
 
     def explain(self, error: ValidationError, place: Place) -> InvalidValue:
-        """What to raise for what is wrong in this place."""
+        """The error to raise for a validation error in this place."""
         return explain(error, lambda inner: self.field((*place, *inner)), _EXPECTED)
 
     def wrong(self, place: Place, value: object, expected: str) -> InvalidValue:
-        """What to raise for a value at this place that no model can judge alone."""
+        """The error to raise for a value at this place that no model can judge alone."""
         return InvalidValue(self.field(place), value, expected)
 
     def field(self, place: Place) -> str:
-        """What a place is called: the file, the line, and the way to it."""
+        """The name of a place: the file, the line, and the way to it."""
         place = tuple(self._in_the_file((*self.at, *place)))
         return f"{self.name}:{self._line(place)}: {dotted(place)}" if place else self.name
 
     def _in_the_file(self, place: Place) -> Iterator[str | int]:
-        """Without what pydantic adds: tags, a mark of keys, the index of what is no list."""
+        """The place without pydantic's additions: tags, marks of keys, indices of non-lists."""
         data, before = self._whole, None
         for part in place:
             tag = part in self._tags and isinstance(before, int)
@@ -185,11 +186,11 @@ class YamlFile:
 
     @cached_property
     def _root(self) -> yaml.Node | None:
-        """The nodes, which know their lines: parsed anew, for who asks for one."""
+        """The parsed nodes, which know their lines; parsed again when a line is needed."""
         return yaml.compose(self._text, yaml.SafeLoader)
 
     def _line(self, place: Place) -> int:
-        """The line, from 1, of what is there, or of the last thing on the way that is there."""
+        """The line of a place, from 1, or of the last existing part of the way to it."""
         node, line = self._root, 0
         for part in place:
             if isinstance(node, yaml.MappingNode):
@@ -212,7 +213,7 @@ def _inside(data: Any, part: str | int) -> Any:
 
 
 def value_key(value: object) -> str:
-    """A value as YAML has it as a key: `true`, `3`, `0.5`, or a text as it is."""
+    """A value as a key in YAML: `true`, `3`, `0.5`, or a text as it is."""
     if isinstance(value, bool):
         return "true" if value else "false"
     if isinstance(value, float) and value.is_integer():

@@ -1,1 +1,1 @@
-"""What may move the robot, and what stops it: interlock, software stop, drain, deadlines."""
+"""Permission to move and ways to stop: interlock, software stop, drain, deadlines."""

@@ -1,4 +1,4 @@
-"""Things to do if they are not called off in time, on one thread that else sleeps."""
+"""Deadlines: actions that run at their time unless called off, all on one sleeping thread."""
 
 import heapq
 import itertools
@@ -13,9 +13,9 @@ log = get_logger(__name__)
 
 
 class Deadlines:
-    """Does each thing when its time has come, unless it was called off. From `start` to `close`.
+    """Runs each action at its time unless it was called off, from `start` to `close`.
 
-    What is to be done should be quick. One that raises is logged.
+    An action must be quick. An action's exception is logged.
     """
 
     def __init__(self, name: str, clock: Clock | None = None) -> None:
@@ -24,7 +24,8 @@ class Deadlines:
         self._set: list[tuple[float, int, Callable[[], None]]] = []
         self._numbers = itertools.count()
         self._wakes_s = math.inf
-        """When the thread looks again by itself, also for what was called off meanwhile."""
+        """The clock's time when the thread wakes by itself, even if that deadline was called
+        off."""
         self._closed = False
         self._thread = threading.Thread(target=self._work, name=name)
 
@@ -32,7 +33,7 @@ class Deadlines:
         self._thread.start()
 
     def close(self) -> None:
-        """Do nothing more, and wait for the thread."""
+        """Drop all actions and wait for the thread."""
         with self._changed:
             self._closed = True
             self._changed.notify_all()
@@ -40,10 +41,10 @@ class Deadlines:
             self._thread.join()
 
     def set(self, seconds: float, action: Callable[[], None]) -> Callable[[], None]:
-        """Do it after so many seconds. Returns a way to call it off; does not block.
+        """Run `action` after `seconds`. Returns a function that calls it off; does not block.
 
-        Nearly all are called off. The thread that waits is woken only where it would wake too late
-        by itself, so that of many such deadlines it notices one.
+        Nearly all deadlines are called off. So the thread is woken only if it would wake too late
+        by itself; of many deadlines in a row it notices only the first.
         """
         due_s = self._clock.now() + seconds
         entry = (due_s, next(self._numbers), action)
@@ -68,7 +69,7 @@ class Deadlines:
                 log.exception("deadline_failed")
 
     def _next(self) -> Callable[[], None] | None:
-        """What is due, once something is; None at the end."""
+        """Wait for the next due action; None after `close`."""
         with self._changed:
             while not self._closed:
                 now_s = self._clock.now()

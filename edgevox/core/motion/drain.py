@@ -1,6 +1,6 @@
-"""A drain: nothing new begins, what moves may end within a bound, and then the robot stands.
+"""The drain: no new motion begins, running motion may end within a bound, then the robot stands.
 
-It has no way back: whoever wants the robot to work again starts the agent again.
+A drain cannot be undone: restart the agent to make the robot work again.
 """
 
 import threading
@@ -18,16 +18,17 @@ from edgevox.core.reason import Reason
 log = get_logger(__name__)
 
 LOOK_S = 0.05
-"""How often it looks whether the goals are over, and whether the robot stands."""
+"""Seconds between two looks at whether the goals are over and whether the robot stands."""
 BLIND_S = 2.0
-"""A body that cannot tell for so long whether it stands is not waited for any longer."""
+"""Seconds to wait for a body that cannot tell whether it stands."""
 
 
 class Drain:
-    """From `begin` on every new motion is refused with the `reason`. Any thread may call it.
+    """Refuses every new motion from `begin` on. Any thread may call the methods.
 
-    Goals have `bound_s` to end by themselves; then `halt` and the interlock end them, and `stands`
-    is waited for, `stand_s` at most. Stop words work as ever: they end a goal, and so the wait.
+    Running goals have a bounded time to end by themselves. Then `halt` and the interlock end them,
+    and the drain waits until the robot stands. Stop words work as ever: they end a goal, and so the
+    wait.
     """
 
     def __init__(
@@ -44,6 +45,20 @@ class Drain:
         clock: Clock | None = None,
         pause: Callable[[float], object] = time.sleep,
     ) -> None:
+        """Store the settings; `begin` begins the drain.
+
+        Args:
+            interlock: Refuses new motion.
+            bus: Carries `DrainChanged`.
+            halt: Brakes the body and tells it why.
+            busy: Returns whether a goal runs or waits.
+            stands: Returns whether the body stands; raises `EdgeVoxError` if it cannot tell.
+            reason: The reason that every refused motion gets.
+            bound_s: Seconds that running goals have to end by themselves.
+            stand_s: Seconds to wait until the body stands.
+            clock: Measures these times; the system's by default.
+            pause: Sleeps for a number of seconds between two looks.
+        """
         self._interlock = interlock
         self._bus = bus
         self._halt = halt
@@ -61,37 +76,37 @@ class Drain:
 
     @property
     def status(self) -> DrainStatus | None:
-        """How far it is; None before it was begun."""
+        """The stage of the drain; None before `begin`."""
         return self._status
 
     @property
     def limit_s(self) -> float:
-        """How long it takes at most, unless something hangs."""
+        """Seconds that the drain takes at most, unless something hangs."""
         return self._bound_s + self._stand_s
 
     def begin(self, by: str) -> None:
-        """Begin, on a thread of its own, unless that was done; `by` is who asks, for people."""
+        """Begin on a new thread; do nothing if it has begun. `by` names who asks, for people."""
         with self._lock:
             if self._status is not None:
                 return
             self._status = DrainStatus.DRAINING
-        # A daemon: what it waits for may hang, and must not keep the process.
+        # A daemon: a goal or a body that hangs must not keep the process alive.
         threading.Thread(target=self._run, args=(by,), name="edgevox-drain", daemon=True).start()
 
     def until_over(self, by: str) -> bool:
-        """Begin if nobody has, and block until it is over; False if something hangs."""
+        """Begin if it has not begun, and block until it is over; False if something hangs."""
         self.begin(by)
         return self._over.wait(self.limit_s + 4 * LOOK_S)
 
     def stand(self) -> None:
-        """End what moves at once, and refuse all motion from now on."""
+        """End all motion at once, and refuse motion from now on."""
         try:
             self._interlock.engage(Holder.DRAIN, self._reason)
         finally:
-            self.halt()  # also where a listener broke, and for whoever steers without a goal
+            self.halt()  # also if a listener raised, and for motion that no goal steers
 
     def halt(self) -> None:
-        """Brake the body and ask nobody: for when everything else hangs."""
+        """Brake the body directly, for the case that everything else hangs."""
         self._halt(str(self._reason))
 
     def _run(self, by: str) -> None:
@@ -116,13 +131,13 @@ class Drain:
             log.exception("drain_failed")
         finally:
             self._status = ended
-            self._bus.publish(DrainChanged(ended, by, 0.0))  # before who waits takes ROS 2 away
+            self._bus.publish(DrainChanged(ended, by, 0.0))  # before `until_over` lets ROS 2 close
             self._over.set()
 
     def _stand_as_told(self) -> None:
         try:
             self.stand()
-        except EdgeVoxError as error:  # the body says why; whether it stands is looked at anyway
+        except EdgeVoxError as error:  # go on: the wait below still looks whether the body stands
             self._unknown = str(error)
 
     def _wait_until(self, so: Callable[[], bool], within_s: float) -> bool:
@@ -138,7 +153,7 @@ class Drain:
         return True
 
     def _is_known(self, so: Callable[[], bool]) -> bool:
-        """Whether it is so; not while the body cannot tell, its odometry being silent for one."""
+        """The result of `so`; False while the body cannot tell, for example without odometry."""
         try:
             known = so()
         except EdgeVoxError as error:

@@ -1,12 +1,12 @@
-"""The interlock of motion: what may move the body, and which orders a stop has made void.
+"""The interlock of motion: permission to move the body, and the orders that a stop made void.
 
-The one rule for a stop: whatever was asked for before it is void, whoever asked and however far it
-has come; whatever is asked for after it counts. Times cannot decide which is which: clocks differ
-between hosts, and ROS 2 tells a server of an action neither when a request was sent nor when it
-came. So the rule counts. Each stop is numbered, and an order carries the number that was in force
-when it was received (its `mark`): a fencing token, as distributed systems call it. Whoever receives
-orders for the robot reads the mark before anything else, and whoever carries them out asks
-`refusal` for it in the moment in which they begin.
+A stop has one rule: every order from before the stop is void, wherever it came from and however far
+it has come; every order from after the stop counts. Times cannot tell the two apart: clocks differ
+between hosts, and ROS 2 tells an action server neither when a request was sent nor when it arrived.
+So the interlock counts. It numbers each stop, and an order carries the number in force when it was
+received, its `mark`; distributed systems call this a fencing token. Code that receives an order
+reads the mark before anything else. Code that carries out an order asks `refusal` with that mark at
+the moment when it begins.
 """
 
 import threading
@@ -22,11 +22,11 @@ from edgevox.core.status import ComponentName, Finding, HealthCheck, Level, Rece
 STREAM_ENDED = "a stop has ended a stream of velocities: it counts again once it has paused"
 
 Tell = Callable[[], object]
-"""Tells others of what was ended. It may take long, so it comes after all that moves has ended."""
+"""Reports what was ended. A report may take long, so it runs after all motion has ended."""
 
 
 class Holder(StrEnum):
-    """Who may forbid motion; each takes back only its own word."""
+    """Parts that may forbid motion; each releases only its own ban."""
 
     PRESENCE = "presence"
     SOFTWARE_STOP = "software_stop"
@@ -42,15 +42,15 @@ class StreamStopped(EdgeVoxError):
 
 
 class Interlock:
-    """Whoever would move the body asks `reason` first; whoever forbids it calls `engage`.
+    """Decides whether the body may move: ask `refusal` or `reason` before a motion.
 
-    Who calls `refuse` forbids only what is new: what moves may go on to its end.
-    It may have several holders, and motion is allowed again when the last has released it. To stop
+    `engage` forbids motion and ends the running one; `refuse` forbids only new motion. Several
+    holders may do so at once, and motion is allowed again when the last one releases it. Stopping
     is never forbidden. Every method may be called from any thread.
 
-    `mark` grows with each stop and with each release. An order from before the last stop is
-    `outdated`; one from before a release may not move the body either, as it was asked for while
-    motion was forbidden.
+    `mark` grows with each stop and each release. An order from before the last stop is `outdated`.
+    An order from before a release may not move the body either: it was given while motion was
+    forbidden.
     """
 
     def __init__(self) -> None:
@@ -59,47 +59,47 @@ class Interlock:
         self._why_stopped = self._why_held = NO_REASON
         self._stop_listeners: tuple[Callable[[int], object], ...] = ()
         self.streams_ended = 0
-        """How many streams of velocities a stop has ended while they went on."""
+        """Number of running streams of velocities that a stop has ended."""
         self._held: Mapping[Holder, Reason] = {}
         self._refused: Mapping[Holder, Reason] = {}
         self._listeners: tuple[Callable[[Reason], Tell | None], ...] = ()
 
     @property
     def reason(self) -> Reason:
-        """Why nothing may begin to move, by who has forbidden it longest; none if it may."""
+        """The reason of the holder with the longest ban on motion; empty if motion is allowed."""
         return next(iter(self.holders.values()), NO_REASON)
 
     @property
     def holders(self) -> Mapping[Holder, Reason]:
-        """Who forbids motion, and why; who has done so longest comes first."""
+        """The holders that forbid motion, each with its reason, the longest ban first."""
         return {**self._held, **self._refused}
 
     @property
     def mark(self) -> int:
-        """What an order that is received now carries."""
+        """The mark of an order that is received now."""
         return self._mark
 
     @property
     def stopped(self) -> int:
-        """The mark that the last stop has made."""
+        """The mark that the last stop made."""
         return self._stopped
 
     def outdated(self, mark: int) -> Reason:
-        """Why an order with this mark is void, as a stop came after it; no reason if it is not."""
+        """The reason of the stop that made an order with this mark void; empty if none did."""
         return self._why_stopped if mark < self._stopped else NO_REASON
 
     def refusal(self, mark: int) -> Reason:
-        """Why an order with this mark may not move the body now; no reason if it may."""
+        """The reason why an order with this mark may not move the body now; empty if it may."""
         if held := self.reason:
             return held
         return self._why_held if mark < self._released else self.outdated(mark)
 
     @contextmanager
     def stopping(self, reason: Reason) -> Iterator[None]:
-        """Make void what was asked for until now; inside it, end what that has begun.
+        """Make every order so far void; end the running ones inside the `with` block.
 
-        The order of the two is what cannot be raced: an order that begins while this runs has
-        either asked `refusal` before, and is ended inside, or asks after, and is refused.
+        This sequence leaves no race: an order that begins meanwhile either asked `refusal` before,
+        and is ended inside the block, or asks afterwards, and is refused.
         """
         with self._lock:
             mark = self._mark = self._mark + 1
@@ -112,22 +112,22 @@ class Interlock:
                 listener(mark)
 
     def on_stop(self, listener: Callable[[int], object]) -> None:
-        """Call it after each stop and release, when what moved was ended, on the thread that did.
+        """Call `listener` with the new mark after each stop and release, on the same thread.
 
-        It is given the mark that this stop or release has made. It must not block or raise.
+        After a stop, all motion has ended by then. The listener must not block or raise.
         """
         with self._lock:
             self._stop_listeners = (*self._stop_listeners, listener)
 
     def refuse(self, holder: Holder, reason: Reason) -> None:
-        """Let nothing new begin to move until this holder releases it; what moves goes on."""
+        """Forbid new motion until this holder releases it; running motion goes on."""
         with self._lock:
             self._refused = {**self._refused, holder: reason}
 
     def engage(self, holder: Holder, reason: Reason) -> bool:
-        """Forbid motion until this holder releases it, and have what moves already ended.
+        """Forbid motion until this holder releases it, and end the running motion.
 
-        Whether it was allowed until now, and so the listeners were called.
+        Returns True if no holder had engaged it before, so that the listeners were called.
         """
         with self._lock:
             engaged, self._held = bool(self._held), {**self._held, holder: reason}
@@ -139,7 +139,7 @@ class Interlock:
         return not engaged
 
     def release(self, holder: Holder) -> None:
-        """Take back this holder's word; motion is allowed once nobody else forbids it.
+        """Release this holder's ban; motion is allowed once no other holder forbids it.
 
         Nothing moves by itself then.
         """
@@ -156,9 +156,10 @@ class Interlock:
             listener(mark)
 
     def on_engage(self, listener: Callable[[Reason], Tell | None]) -> None:
-        """Call it with the reason whenever motion was allowed and is no more.
+        """Call `listener` with the reason whenever `engage` ends an allowed motion.
 
-        It ends what it moves, at once; what it returns is called when all listeners have.
+        The listener must end its motion at once. It may return a function, which is called after
+        all listeners have ended theirs.
         """
         with self._lock:
             self._listeners = (*self._listeners, listener)
@@ -169,7 +170,7 @@ def _without(holder: Holder, held: Mapping[Holder, Reason]) -> Mapping[Holder, R
 
 
 class InterlockComponent:
-    """Whether the body may move: that somebody forbids it is worth a warning, and no fault."""
+    """The interlock in the status: a ban on motion is a warning, not a fault."""
 
     name = ComponentName.INTERLOCK
     checks: tuple[HealthCheck, ...] = ()
@@ -179,7 +180,7 @@ class InterlockComponent:
         self._streams = RecentIncrease(clock)
 
     def status(self) -> Status:
-        """Who forbids motion now, and whether a stop has just ended a stream of velocities."""
+        """The holders that forbid motion, and whether a stop just ended a velocity stream."""
         held = self._interlock.holders
         found = [Finding(Level.WARN, str(reason)) for reason in held.values()]
         ended = self._interlock.streams_ended

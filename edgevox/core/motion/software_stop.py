@@ -1,7 +1,7 @@
-"""The software stop: one press stands the robot still until somebody resumes.
+"""The software stop: one press keeps the robot standing until a person resumes it.
 
-It is software: it asks the body to halt as every halt does. It is no emergency stop, which cuts the
-power of the drives whatever a computer does.
+The software stop asks the body to halt, as every halt does. An emergency stop is different: it cuts
+the power of the drives, whatever a computer does.
 """
 
 import threading
@@ -17,19 +17,22 @@ from edgevox.core.reason import Reason
 
 @dataclass(frozen=True, slots=True)
 class StopState:
-    """Whether the robot is stopped, by whom, and since when, in Unix seconds."""
+    """State of the software stop."""
 
     engaged: bool = False
+    """True while the software stop forbids motion."""
     by: str = ""
+    """The person or program that changed the state last, for people to read."""
     since: float | None = None
+    """Unix time in seconds when it was engaged; None while it is not."""
 
 
 class SoftwareStop:
     """Forbids all motion from `stop` to `resume`. Any thread may call both; neither can fail.
 
-    Each press is a stop like any other first, also while it is engaged: `end_all` ends what moves,
-    what is said and what waits. Every change is published as `SoftwareStopChanged`, before the call
-    returns. `reason` is what whoever asks for motion is told meanwhile.
+    Each press also stops like a stop word, even while the software stop is engaged: `end_all` ends
+    motion, speech and waiting requests. Every change is published as `SoftwareStopChanged` before
+    the call returns. A request to move gets `reason` as its refusal meanwhile.
     """
 
     def __init__(
@@ -51,16 +54,16 @@ class SoftwareStop:
 
     @property
     def state(self) -> StopState:
-        """Whether the robot is stopped now."""
+        """The state now."""
         return self._state
 
     def stop(self, by: str) -> None:
-        """Stand still from now on. `by` is who asks, for people."""
+        """Stand still from now on. `by` names the person or program that asks, for people."""
         ended = False
         try:
             ended = self._interlock.engage(Holder.SOFTWARE_STOP, self._reason)
         finally:
-            if not ended:  # somebody else forbade motion already, or it broke
+            if not ended:  # motion was forbidden already, or a listener raised
                 self._end_all(self._reason)
         with self._lock:
             self._interlock.engage(Holder.SOFTWARE_STOP, self._reason)  # not resumed in between
@@ -75,11 +78,11 @@ class SoftwareStop:
                 self._change(StopState(engaged=False, by=by))
 
     def listen(self, listener: Callable[[StopState], None]) -> Callable[[], None]:
-        """Call it with every new state, on any thread; returns a way to forget it."""
+        """Call `listener` with every new state, on any thread; returns a function to undo that."""
         return self._bus.subscribe(SoftwareStopChanged, lambda _: listener(self._state))
 
     def _engaged(self, reason: Reason) -> None:
-        """Before anybody is told of what was ended: what is told after it waits to be said."""
+        """End everything before the listeners report, so that their reports are still said."""
         if reason is self._reason:
             self._end_all(reason)
 

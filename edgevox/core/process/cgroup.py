@@ -1,8 +1,8 @@
-"""What this process may use of the machine: processors and memory, as Linux's control groups say.
+"""Limits of this process by Linux's control groups: processors and memory.
 
-A container that is limited to two of sixteen cores still sees sixteen. Whoever starts a thread for
-each of them is stopped for most of every tenth of a second, together with the robot. Read here,
-since psutil tells of the machine and knows no control groups.
+A container that is limited to two of sixteen cores still sees sixteen. A program that starts a
+thread for each of them is stopped for most of every tenth of a second, together with the robot.
+This module reads the limits itself, because psutil knows no control groups.
 """
 
 import math
@@ -13,13 +13,13 @@ from pathlib import Path
 _PROC = Path("/proc/self/cgroup")
 _ROOT = Path("/sys/fs/cgroup")
 _UNLIMITED_BYTES = 1 << 60
-"""How version 1 writes that there is no limit: more memory than any machine has."""
+"""Limits from here on mean no limit: version 1 writes a number beyond any machine's memory."""
 
 
 def usable_cpus(affinity: int | None = None, quota: float | None = None) -> int:
-    """How many threads can compute at once: the cores allowed, and no more than the quota pays.
+    """Number of threads that can compute at once, by the allowed cores and the quota, at least 1.
 
-    A part of a core is left to threads that do not compute without end; there is always one.
+    A fraction of a core is left to threads that do not compute all the time.
     """
     cores = affinity or len(os.sched_getaffinity(0))
     paid = cpu_quota() if quota is None else quota
@@ -27,20 +27,20 @@ def usable_cpus(affinity: int | None = None, quota: float | None = None) -> int:
 
 
 def cpu_quota(proc: Path = _PROC, root: Path = _ROOT) -> float:
-    """How many processors' time this process may take; infinite where nothing limits it."""
+    """Number of processors whose time this process may take; infinite without a limit."""
     return min((_quota(folder) for folder in _folders("cpu", proc, root)), default=math.inf)
 
 
 def memory_left(proc: Path = _PROC, root: Path = _ROOT) -> int | None:
-    """Bytes that may still be taken before the kernel ends somebody; None where nothing limits."""
+    """Bytes left before the kernel kills a process of the group; None without a limit."""
     left = [_left(folder) for folder in _folders("memory", proc, root)]
     return min((bytes_ for bytes_ in left if bytes_ is not None), default=None)
 
 
 def _folders(controller: str, proc: Path, root: Path) -> Iterator[Path]:
-    """The folders of this process's group and of all around it, each of which may limit it.
+    """The folders of this process's group and of its parents, each of which may limit it.
 
-    In a container the path that /proc tells may be the host's; what is mounted is its own group.
+    In a container, /proc may show the host's path; the mounted folder is the container's group.
     """
     for base, path in _groups(controller, proc, root):
         inside = base / path
@@ -51,7 +51,7 @@ def _folders(controller: str, proc: Path, root: Path) -> Iterator[Path]:
 
 
 def _groups(controller: str, proc: Path, root: Path) -> Iterator[tuple[Path, str]]:
-    """Where a controller is mounted, with the process's path below it, in version 1 and 2."""
+    """Folders where a controller is mounted, with the process's path below, in version 1 and 2."""
     for line in _text(proc).splitlines():
         _, controllers, path = line.split(":", 2)
         if not controllers:
@@ -70,7 +70,7 @@ def _quota(folder: Path) -> float:
 
 
 def _left(folder: Path) -> int | None:
-    """The limit less what is taken; files that were read can be forgotten and count as free."""
+    """The limit less the memory in use; cached files can be dropped and count as free."""
     for limit, taken, forgettable in (
         ("memory.max", "memory.current", "inactive_file"),
         ("memory.limit_in_bytes", "memory.usage_in_bytes", "total_inactive_file"),

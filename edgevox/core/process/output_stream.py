@@ -1,6 +1,6 @@
-"""Where a program's lines leave the process: a disk may be full, a reader gone or asleep.
+"""The output stream of a program, which survives a full disk and a reader that is gone or slow.
 
-A program works on when its lines cannot be written, so nothing here raises or waits for long.
+A program works on if its lines cannot be written, so nothing here raises or waits for long.
 Imports nothing that is slow to import.
 """
 
@@ -12,14 +12,14 @@ from collections.abc import Callable
 from typing import Any
 
 PATIENCE_S = 0.1
-"""So long a line waits for a reader that is behind. Lines are lost until it reads on."""
+"""Seconds that a line waits for a slow reader; after that, lines are lost until it reads on."""
 ASLEEP = "its reader does not read"
 
 Tell = Callable[[OSError], None]
 
 
 class OutputReader:
-    """Who reads what is written to a file descriptor; a file has one that is always awake."""
+    """The reader at the other end of a file descriptor."""
 
     def __init__(self, number: int) -> None:
         self._poll = select.poll()
@@ -27,7 +27,7 @@ class OutputReader:
         self._asleep = False
 
     def awake(self) -> bool:
-        """Whether there is room for a piece of `select.PIPE_BUF` bytes, now or very soon."""
+        """True if there is room for `select.PIPE_BUF` bytes, now or within `PATIENCE_S`."""
         wait_s = 0.0 if self._asleep else PATIENCE_S
         events = self._poll.poll(wait_s * 1000)
         self._asleep = not events
@@ -35,11 +35,11 @@ class OutputReader:
 
 
 class OutputStream(io.RawIOBase):
-    """Writes to a file descriptor, and takes as written what cannot be.
+    """Writes to a file descriptor, and drops data that cannot be written.
 
-    `tell` is told why, once, and again only after something could be written meanwhile. One that
-    `waits` does so for a reader who is behind, as programs do whose output is what they are for.
-    The descriptor stays open when this is closed.
+    `tell` gets the error once, and again only after a successful write. A stream with `waits` waits
+    for a slow reader; that suits programs whose purpose is their output. Closing the stream leaves
+    the descriptor open.
     """
 
     def __init__(self, number: int, tell: Tell, *, waits: bool) -> None:
@@ -62,7 +62,7 @@ class OutputStream(io.RawIOBase):
         return True
 
     def write(self, data: Any) -> int:
-        """How much was taken; all of it where nothing can be written."""
+        """Write data and return the number of bytes taken; all bytes if writing fails."""
         piece = bytes(memoryview(data)[: self._most])
         try:
             if self._reader and not self._reader.awake():

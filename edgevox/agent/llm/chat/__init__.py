@@ -1,1 +1,1 @@
-"""What a language model is told and what it may answer: prompt, grammar, calls, history."""
+"""Input and output of a language model: prompt, grammar, calls, history."""

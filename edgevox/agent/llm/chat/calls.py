@@ -47,12 +47,12 @@ class OutputParser:
 
 @dataclass(frozen=True)
 class Protocol:
-    """How one agent and its model understand each other.
+    """The common language of one agent and its model.
 
-    `opening` are the messages that every chat begins with: the instructions, the skills and
-    examples. `grammar` is what a model's output must obey, for `OutputParser` to read. The
-    interpreter allows it less, `words_grammar`, words and hand-overs, to a sentence that is no
-    order. All are of the `words` that there were to choose from.
+    `opening` holds the first messages of every chat: the instructions, the skills and examples.
+    `grammar` is the grammar of the model's output, which `OutputParser` reads. For a sentence that
+    is no order the interpreter uses `words_grammar`, which allows only words and hand-overs. All
+    are made for the present `words` of the arguments.
     """
 
     instructions: str
@@ -92,13 +92,13 @@ class Protocol:
         return self if left == self.handoffs else replace(self, handoffs=left)
 
     def grammar_of(self, *, ordered: bool) -> str:
-        """What a model may answer to a sentence that is `ordered`, or to one that is not."""
+        """The grammar of the answer to a sentence that is an order (`ordered`), or to any other."""
         return self.grammar if ordered else self.words_grammar
 
     def allowed(self, calls: Sequence[Call], text: str, *, ordered: bool) -> Sequence[Call]:
-        """Those that a model may make: what no engine's grammar kept it from is dropped here.
+        """The calls that a model may make, without others that the engine's grammar let through.
 
-        Every word that it fills in was said.
+        Every word that the model fills in must have been said.
         """
         spoken = key(text)
         return [call for call in calls if self._may(call, spoken, ordered=ordered)]

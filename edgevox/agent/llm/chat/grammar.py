@@ -16,7 +16,7 @@ from edgevox.agent.skills import Skill, SkillSet
 from edgevox.core.errors import InvalidValue
 
 SAY, DO = "talk: ", "call: "
-"""What an answer in words and a list of calls begin with: the first token tells them apart."""
+"""Beginnings of an answer in words and of a list of calls: the first token tells them apart."""
 JOINT, END = "; ", "done"
 """After each call, and after the last joint. A small model that had to end the answer right after a
 call forgot the second of two; one that has to say that it is done does not."""
@@ -55,14 +55,14 @@ def grammar(skills: SkillSet, handoffs: Sequence[str] = ()) -> str:
 
 
 def literal(value: object) -> str:
-    """How a value is written in a call; the grammar generates nothing else."""
+    """The form of a value in a call; the grammar generates no other."""
     if isinstance(value, str):
         return json.dumps(value, ensure_ascii=False)
     return f"{value:g}" if isinstance(value, float) else repr(value)
 
 
 def is_optional(one: Skill, argument: str) -> bool:
-    """Whether a call may leave this argument out."""
+    """True if a call may leave this argument out."""
     return not one.arguments_model.model_fields[argument].is_required()
 
 

@@ -1,4 +1,4 @@
-"""What was said, kept within the model's context window."""
+"""The history of a chat, kept within the model's context window."""
 
 from collections.abc import Callable, Sequence
 
@@ -8,11 +8,11 @@ CUT_MARK = " [interrupted]"
 """Ends an answer in the history that the person did not hear to its end."""
 
 _OVERHEAD_TOKENS = 8
-"""What a chat template adds to each message, rounded up."""
+"""Number of tokens that a chat template adds to each message, rounded up."""
 
 
 def size_tokens(count_tokens: Callable[[str], int], messages: Sequence[ChatMessage]) -> int:
-    """How much of a context window these messages take, with what a chat template adds."""
+    """Number of tokens of these messages in a context window, with those of the chat template."""
     return sum(count_tokens(message.content) + _OVERHEAD_TOKENS for message in messages)
 
 

@@ -1,4 +1,4 @@
-"""What a model reads before the first utterance: its role, its skills, and examples.
+"""The prompt before the first utterance: the model's role, its skills, and examples.
 
 A model answers in words, hands over, and calls only skills that take any words, so that is all it
 is told of. The wording, the words of the format and the order of the examples were chosen by trial
@@ -18,7 +18,7 @@ from edgevox.agent.skills import Call, Skill, SkillSet
 
 EXAMPLES_PER_SKILL = 3
 MOST_LEARNED = 20
-"""So many words that came later are named; the grammar knows all."""
+"""Number of learned words that the prompt names; the grammar knows all."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,4 +1,4 @@
-"""Where a shared model is, and how it wants to be asked."""
+"""The address of a shared model, its offer, and the form of its requests."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass

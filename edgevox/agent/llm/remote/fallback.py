@@ -1,6 +1,6 @@
-"""The embedded model answers while the shared one cannot.
+"""The fallback: the embedded model answers while the shared one cannot.
 
-Leaves alone for a while what has just failed.
+`Breaker` leaves a failed server alone for a while.
 """
 
 import threading
@@ -34,11 +34,11 @@ class Breaker:
 
     @property
     def resting(self) -> bool:
-        """Whether it is too early to try again."""
+        """True while it is too early to try again."""
         return self._rest_s > 0 and self._clock.now() < self._until_s
 
     def failed(self) -> bool:
-        """It failed; True if it had not before."""
+        """Record a failure; True for the first of a row."""
         with self._lock:
             first = self._rest_s == 0
             self._rest_s = FIRST_REST_S if first else min(2 * self._rest_s, LONGEST_REST_S)
@@ -46,7 +46,7 @@ class Breaker:
             return first
 
     def succeeded(self) -> bool:
-        """It worked; True if it had failed before."""
+        """Record a success; True if the last attempt had failed."""
         with self._lock:
             recovered = self._rest_s > 0
             self._rest_s = 0.0
@@ -71,7 +71,7 @@ class FallbackModel:
         self.name = shared.name
         self.context_tokens = min(one.context_tokens for one in models)
         self.fault = ""
-        """Why the shared model is left alone; empty once it answers again."""
+        """The reason why the shared model rests; empty once it answers again."""
         self.fallbacks = 0
         """Chats that the one on board had to answer."""
         self.turned_away = 0

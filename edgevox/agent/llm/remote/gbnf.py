@@ -1,9 +1,8 @@
-"""Reads a GBNF grammar, and tells piece by piece whether a text obeys it.
+"""A matcher for GBNF grammars, which tells piece by piece whether a text obeys one.
 
-An engine on board samples by a grammar; whether a server across the network does, nobody knows.
-Our own, since the libraries that read GBNF sample by it and do not say whether a text obeys.
-
-Holds what a server sends against the grammar that it was asked to obey.
+An engine on board samples by a grammar; a server across the network may not. So `enforce_grammar`
+checks the server's answer. The matcher is our own, because libraries that read GBNF only sample by
+it and cannot check a text.
 """
 
 import functools
@@ -145,11 +144,11 @@ class Matcher:
 
     @property
     def complete(self) -> bool:
-        """Whether the text may end here."""
+        """True if the text may end here."""
         return None in self._stacks
 
     def accept(self, piece: str) -> int:
-        """How many characters of the piece still obey; all after the first wrong one are lost."""
+        """Take a piece; return how many of its characters obey, up to the first wrong one."""
         for count, character in enumerate(piece):
             after = {
                 stack

@@ -1,6 +1,6 @@
-"""One HTTP request on a thread of its own, so that whoever waits for it can always walk away.
+"""HTTP requests on threads of their own, so that a caller can always stop waiting.
 
-Server-sent events of a chat, as OpenAI-compatible servers send them.
+`pieces` reads the server-sent events of a chat, as OpenAI-compatible servers send them.
 """
 
 import contextlib
@@ -85,18 +85,16 @@ MOST_BYTES = 4 << 20
 """A longer reply than this is not an answer; 160 tokens take some 60 kB."""
 _CONNECT_S = 3.0
 _SILENCE_S = 120.0
-"""Ends a connection that nobody dropped; whoever reads from it has a deadline of its own."""
+"""Seconds of silence that end a connection which was not dropped; its reader has a deadline too."""
 _CONNECTED = ("connection.connect_tcp.complete", "connection.start_tls.complete")
 
 
 class HttpRequest:
-    """Sends a request when it is made. Read `status`, then the `chunks`; always `drop` it.
+    """A request that is sent when it is made. Read `status`, then `chunks`; always `drop` it.
 
-    `deadline_s`, in `time.monotonic`, is when the wait for more ends; whoever reads may move it.
-
-    What a server does cannot hold up who asks it: names that do not resolve, a connection that
-    hangs, headers that trickle in. Dropping it closes the connection, by which the server knows
-    that nobody listens.
+    `deadline_s`, in `time.monotonic`, ends the wait for more; the reader may move it. No server can
+    hold up the reader: not by names that do not resolve, a connection that hangs, or headers that
+    trickle in. `drop` closes the connection, which tells the server to stop.
     """
 
     def __init__(
@@ -109,7 +107,7 @@ class HttpRequest:
     ) -> None:
         self.deadline_s = deadline_s
         self.later = False
-        """Whether the server said when to come again; known once `status` is."""
+        """True if the server said when to try again; known once `status` is."""
         self._client = client
         self._request = client.build_request(
             "GET" if body is None else "POST",
@@ -153,7 +151,7 @@ class HttpRequest:
 
     @property
     def running(self) -> bool:
-        """Whether the thread still is there."""
+        """True while the thread is alive."""
         return self._thread.is_alive()
 
     def _next(self) -> int | bytes | None:

@@ -1,18 +1,18 @@
-"""The ways in which a server can fail, by what is to be done about each."""
+"""Errors of a model server, by the reaction that each needs."""
 
 from edgevox.agent.llm.language_model import ModelBusy, ModelFailed
 
 
 class Unreachable(ModelFailed):
-    """It cannot serve anybody at the moment; a second attempt may succeed."""
+    """The server cannot be reached or serve now; a second attempt may succeed."""
 
 
 class Unusable(ModelFailed):
-    """It answers, but not as it should, and the same request would end the same way."""
+    """The server answers wrongly, and would answer the same request the same way."""
 
 
 class RequestRefused(ModelFailed):
-    """It refused this one request, as too long perhaps; others may be served."""
+    """The server refused this request, perhaps as too long; it may serve others."""
 
 
 _OF_THE_REQUEST = (400, 413, 422)

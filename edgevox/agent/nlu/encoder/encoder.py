@@ -1,11 +1,11 @@
-"""A small multilingual network that reads a sentence, in numpy: what it holds of it as numbers.
+"""The sentence encoder, a small multilingual network in numpy.
 
-It is multilingual-e5-small, a BERT, whose weights `packed_file` reads. Its last layers are made for
-what a text is about; how it is meant (asked, told, wished, denied) is clearest some layers before,
-so the last ones are left out. A sentence takes some ten milliseconds on one core.
+The network is multilingual-e5-small, a BERT; `packed_file` reads its weights. Its last layers tell
+what a text is about. How a text is meant (asked, told, wished, denied) is clearest some layers
+before, so the last layers are left out. A sentence takes about ten milliseconds on one core.
 
-Our own arithmetic, since no runtime for such networks reads the packed file that the weights are
-in, of which only what a sentence needs is ever in memory.
+The arithmetic is our own, because no runtime reads the packed file of the weights, of which only
+the parts that a sentence needs are ever in memory.
 """
 
 from dataclasses import dataclass
@@ -21,22 +21,22 @@ ENCODER = "multilingual-e5-small"
 """The model's name in the manifest."""
 
 LAYERS = 9
-"""Of twelve. On the tuning half of the corpus commands are told from the rest with an area under
-the curve of 0.94 by the 8th and 9th, of 0.91 by the 12th."""
+"""Number of layers that are used, of twelve. On the tuning half of the corpus the 8th and 9th layer
+tell commands from other sentences with an area under the curve of 0.94, the 12th with 0.91."""
 _PREFIX = "query: "
-"""What the network was trained to see before a sentence."""
+"""Text before each sentence, as in the network's training."""
 _ERF = (0.254829592, -0.284496736, 1.421413741, -1.453152027, 1.061405429)
 _ERF_P = 0.3275911
 _WORK_AT_ONCE = 12288
-"""Weights that are multiplied at once: so few that the linear algebra library stays on one thread.
-On two threads a sentence takes up to 0.6 s while something else keeps one core busy."""
+"""Number of weights in one multiplication: so few that the linear algebra library stays on one
+thread. With two threads a sentence takes up to 0.6 s while another program keeps one core busy."""
 
 
 class SentenceReader(Protocol):
-    """Makes numbers of a sentence."""
+    """Turns a sentence into numbers."""
 
     def features(self, text: str) -> Floats:
-        """Its features, shape (size,)."""
+        """The features of a sentence, shape (size,)."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,7 +46,7 @@ class _Affine:
 
     @classmethod
     def of(cls, rows: Floats, bias: Floats) -> "_Affine":
-        """Of weights in rows, one a value that comes out: in blocks of some rows, transposed."""
+        """Build from weights with one row per output value, in transposed blocks of rows."""
         count, size = rows.shape
         blocks = count // max(1, min(count, _WORK_AT_ONCE // size))
         return cls(np.ascontiguousarray(rows.reshape(blocks, -1, size).transpose(0, 2, 1)), bias)
@@ -95,7 +95,7 @@ class Encoder:
         self._layers = [self._layer(number) for number in range(LAYERS)]
 
     def features(self, text: str) -> Floats:
-        """The largest values of the layer before the last, and the means of the last."""
+        """The means of the last used layer, then the largest values of the layer before it."""
         numbers = self._pieces.ids(_PREFIX + text)[: self._packed.sizes.tokens]
         words = self._packed.rows(np.array(numbers))
         values = self._opened(words + self._positions[: len(numbers)] + self._type)
@@ -131,7 +131,7 @@ class Encoder:
 
 
 def _wake_gate(query_key_value: Floats, heads: int) -> Floats:
-    """What each token takes from the others, shape (tokens, values)."""
+    """Attention: the values that each token takes from the others, shape (tokens, values)."""
     tokens, three = query_key_value.shape
     parted = query_key_value.reshape(tokens, 3, heads, three // 3 // heads)
     query, key, value = parted.transpose(1, 2, 0, 3)
@@ -142,7 +142,7 @@ def _wake_gate(query_key_value: Floats, heads: int) -> Floats:
 
 
 def _gelu(values: Floats) -> Floats:
-    """Each x times the likelihood that a normal value is below x; numpy has no error function."""
+    """GELU: each x times the probability of a normal value below x; numpy lacks an erf."""
     scaled = np.abs(values) * np.float32(0.7071067811865476)
     t = 1 / (1 + np.float32(_ERF_P) * scaled)
     series = np.zeros_like(t)

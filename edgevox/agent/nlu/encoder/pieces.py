@@ -1,7 +1,7 @@
-"""Splits a sentence into the pieces that an encoder knows: the likeliest by a unigram model.
+"""The tokenizer of the encoder: it finds the likeliest pieces of a sentence by a unigram model.
 
-Our own, since the vocabulary comes inside the packed file of the weights, mapped and not read: the
-libraries for it read files of their own formats, of which there is none.
+It is our own, because the vocabulary is inside the packed file of the weights, and the libraries
+for such vocabularies read only files of their own formats.
 """
 
 import math
@@ -22,7 +22,7 @@ class Pieces:
         self._unknown_score = float(vocabulary.scores.min()) - _UNKNOWN_COSTS
 
     def ids(self, text: str) -> list[int]:
-        """The numbers of the pieces, between those of the beginning and the end."""
+        """The ids of the pieces, between those of the beginning and the end."""
         known = self._vocabulary
         written = "".join(known.written.get(ord(character), character) for character in text)
         spaced = _SPACE + _SPACE.join(written.split(" ")) if written else _SPACE
@@ -31,7 +31,7 @@ class Pieces:
         return [known.begin, *self._likeliest(spaced), known.end]
 
     def _likeliest(self, text: str) -> list[int]:
-        """Of all ways to split it the one whose pieces are likeliest together."""
+        """The ids of the split whose pieces are likeliest together."""
         known = self._vocabulary
         encoded = [character.encode() for character in text]
         best = [0.0] + [-math.inf] * len(text)

@@ -1,4 +1,4 @@
-"""Whether words are a whole plain command, might go on, or break off: when to stop waiting."""
+"""Endings: are the words a whole command, may they go on, or do they break off?"""
 
 from collections.abc import Callable
 
@@ -10,13 +10,12 @@ from edgevox.core.speech import Ending
 
 
 class Endings:
-    """Judges by the templates of the skills and by what the phrasebook says of its language.
+    """Judges endings by the skills' templates and the phrasebook. Any thread may use it.
 
-    `plain` is the interpreter's own matching, `hearing` of the language now. May be used from any
-    thread. A command counts as whole only if doing it again with more words costs nothing: it is
-    one call, takes no free words and changes nothing that lasts. It may go on where it is still a
-    plain command with one of the phrases that the language lists. A language that lists none has no
-    whole commands, and waits as long as for anything else.
+    `plain` is `Interpreter.plain`, and `hearing` returns the table of the current language. A
+    command is whole only if doing it again with more words costs nothing: it is one call, takes no
+    free words and changes nothing for good. It may go on if it is still a plain command with one of
+    the language's `goes_on` phrases. A language without such phrases has no whole commands.
     """
 
     def __init__(
@@ -31,7 +30,7 @@ class Endings:
         self._hearing = hearing
 
     def of(self, text: str) -> Ending:
-        """How these words end."""
+        """The ending of these words."""
         if self._is_stop(text):
             return Ending.FINAL
         hearing = self._hearing()

@@ -1,7 +1,7 @@
-"""Chooses among several things that may have been said: a plain command, if there is one.
+"""The choice among several hypotheses of speech recognition: a plain command, if there is one.
 
-In noise the words that are likeliest are often no order at all, and the order that was given is
-among the next ones. Two orders that are nearly as likely are told apart by whoever gave them.
+In noise the likeliest words are often no order, and the spoken order is among the next hypotheses.
+If two orders are nearly as likely, the robot asks the person.
 """
 
 from collections.abc import Callable, Sequence
@@ -13,19 +13,19 @@ from edgevox.agent.skills import Call
 from edgevox.core.commands import Hypothesis
 
 LEAST_SHARE = 0.2
-"""What is less likely to have been said is not done in place of words that mean nothing."""
+"""Least share of a command that may replace words without a meaning."""
 RIVAL = 0.1
-"""Another command this many times as likely contests one. Of 400 commands by voices that tune, in
-noises of `training/acoustics`, none was done that was not meant; at 0.05 two more are asked about
-that were heard rightly."""
+"""Another command with more than this part of a command's share contests it. Of 400 commands by the
+tuning voices, in noises of `training/acoustics`, no wrong one was done; at 0.05 the robot asks
+about two more that were heard correctly."""
 
 _Told = tuple[Hypothesis, Meaning]
 Plain = Callable[[str], object]
-"""The `Meaning` of words that are a plain command, or something else."""
+"""Returns the `Meaning` of a plain command, or another object."""
 
 
 def likeliest(others: Sequence[Hypothesis], plain: Plain) -> Meaning | None:
-    """The one command that is likely enough; asked about if that was hardly heard, or contested."""
+    """The likeliest command, if likely enough; unsure if it was hardly heard or is contested."""
     found = _commands(others, plain)
     if not found:
         return None
@@ -39,9 +39,9 @@ def likeliest(others: Sequence[Hypothesis], plain: Plain) -> Meaning | None:
 
 
 def is_contested(meaning: Meaning, others: Sequence[Hypothesis], plain: Plain) -> bool:
-    """Whether another command among the others is nearly as likely as this one.
+    """True if another command among the hypotheses is nearly as likely as this meaning.
 
-    The rest of what is likely is that the words were heard as they were understood.
+    The share that the hypotheses leave belongs to the words as they were understood.
     """
     found = _commands(others, plain)
     heard = 1.0 - sum(one.share for one in others)
@@ -63,7 +63,7 @@ def _share(meaning: Meaning, found: Sequence[_Told]) -> float:
 
 
 def _same(one: Meaning, other: Meaning) -> bool:
-    """Whether the same is done: "walk forward" is to walk as far as "walk forward one metre"."""
+    """True if both do the same: "walk forward" goes as far as "walk forward one metre"."""
     return _done(one) == _done(other)
 
 
@@ -72,6 +72,6 @@ def _done(meaning: Meaning) -> list[tuple[str, dict[str, Any]]]:
 
 
 def _whole(meaning: Meaning, call: Call) -> dict[str, Any]:
-    """The arguments, and what those are that need not be given."""
+    """The arguments with the defaults of those that were not given."""
     fields = meaning.agent.every_skill[call.skill].arguments_model.model_fields.items()
     return {name: info.default for name, info in fields} | dict(call.arguments)

@@ -1,8 +1,7 @@
-"""Finds the command that a misheard sentence sounds like: "kitchen plate" for "kitchen, please".
+"""Search by sound for a misheard command or stop word.
 
-A robot asks about what it finds here; it never simply moves by it.
-
-A stop word that was nearly heard: "Free is a" for "freeze". Rather a halt too many.
+`NearCommands` finds "kitchen, please" in "kitchen plate"; the robot always asks before it acts on
+that. `NearStop` finds "freeze" in "Free is a"; one halt too many is better than one too few.
 """
 
 from dataclasses import dataclass
@@ -18,17 +17,17 @@ from edgevox.agent.text.spelling import key
 from edgevox.core.stop_words import STOP_WORDS
 
 _NEAR = 0.35
-"""So great a share of the sounds may differ: "free is a" is as near to "freeze", "shop" is not to
-"stop"."""
+"""Share of the sounds that may differ from a stop word: it accepts "free is a" for "freeze" but not
+"shop" for "stop"."""
 _MOST_WORDS = 3
 _USUAL = 3
-"""The first single words of a language's table; later ones are rare, or misspelt."""
+"""Number of single words from a language's table; later ones are rare, or misspelt."""
 _FEWEST_SOUNDS = 3
-"""What is shorter is near to too much."""
+"""Least number of sounds: a shorter stop word is near to too many words."""
 
 
 class NearStop:
-    """The stop words of one language, and of English, by their sounds."""
+    """Finds stop words of one language and of English by their sounds."""
 
     def __init__(self, code: str, phonemes: Phonemes) -> None:
         self._code = code
@@ -43,7 +42,7 @@ class NearStop:
         self._table = SoundTable([sounds for _, sounds in known])
 
     def find(self, text: str) -> str | None:
-        """The stop word that a whole short utterance sounds like, or None."""
+        """The stop word that the whole of a short utterance sounds like, or None."""
         if not self._words or not 0 < len(text.split()) <= _MOST_WORDS:
             return None
         distances = self._table.distances(self._sounds(text), _NEAR)
@@ -59,27 +58,29 @@ def _usual(code: str) -> list[str]:
 
 
 NEAR = 0.3
-"""So great a share of the sounds may differ. Measured: what was said in noise and written down
-otherwise lies below, what was said to somebody else above."""
+"""Share of the sounds that may differ from a command. Measured: misheard commands in noise lie
+below, sentences to other people above."""
 _MARGIN = 0.05
-"""By so much any other command must be farther: of two that are as near none is meant."""
+"""Least distance by which any other command must be farther; otherwise none is found."""
 _MOST_CHARACTERS = 60
-"""Longer sentences are no plain commands."""
+"""Number of characters from which on a sentence is no plain command."""
 
 
 @dataclass(frozen=True, slots=True)
 class NearCommand:
-    """A command that sounds like what was heard; at a distance of 0 it sounds the same."""
+    """A command that sounds like the heard words."""
 
     call: Call
+    """The call."""
     distance: float
+    """Share of the sounds that differ; 0 for the same sounds."""
 
 
 class NearCommands:
-    """The plain commands of a set of skills in one language, by their sounds.
+    """Finds plain commands of a set of skills in one language by their sounds.
 
-    Where words have no spaces between them nothing is found: there espeak-ng cannot read them. Nor
-    is it where a number was heard, since the commands here have none.
+    Finds nothing in languages without spaces, which espeak-ng cannot read, and nothing in words
+    with a number, since these commands have none.
     """
 
     def __init__(self, skills: SkillSet, book: Phrasebook, phonemes: Phonemes) -> None:
@@ -92,7 +93,7 @@ class NearCommands:
         self._table = SoundTable(())
 
     def nearest(self, text: str) -> NearCommand | None:
-        """The one command that this sounds like, if there is one."""
+        """The one command that the text sounds like, or None."""
         spaced = self._book.hearing.spaced
         if len(text) > _MOST_CHARACTERS or not spaced or self._has_number(text):
             return None
@@ -113,11 +114,11 @@ class NearCommands:
         return any(one.isdigit() for one in digits(text, self._book.code))
 
     def prepare(self) -> None:
-        """Make ready now what the first misheard sentence would have to wait for."""
+        """Build the table of sounds now, so that the first misheard sentence need not wait."""
         self._learn()
 
     def _learn(self) -> None:
-        """The words of arguments may change while the robot runs: places are remembered."""
+        """Rebuild the table if the words of arguments have changed: places are learned."""
         words = self._skills.words()
         if words == self._words:
             return
@@ -131,6 +132,6 @@ class NearCommands:
         self._table = SoundTable([self._sounds(one.sentence) for one in self._wordings])
 
     def _sounds(self, text: str) -> tuple[int, ...]:
-        """Without articles, which are hardly spoken."""
+        """The sounds of a text without articles, which are hardly spoken."""
         words = [word for word in key(text).split() if word not in self._articles]
         return sounds_of(self._phonemes(" ".join(words), self._book.code))

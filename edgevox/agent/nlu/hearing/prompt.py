@@ -1,7 +1,7 @@
-"""What a robot is likely to be told, as a text that whoever writes down speech is shown first.
+"""Hearing prompts: likely commands, shown to speech recognition before it listens.
 
-In noise speech to text hears what it expects. Shown the robot's own commands and names it takes
-"Lock forward" and "Get your own place" for what they were.
+In noise, speech recognition hears what it expects. With the robot's own commands and names in the
+prompt, it recognises sentences that it otherwise writes as "Lock forward" or "Get your own place".
 """
 
 import itertools
@@ -14,16 +14,16 @@ from edgevox.agent.phrases.phrasebook import Phrasebook
 from edgevox.agent.skills import Skill, SkillSet
 
 MOST_CHARACTERS = 600
-"""Whisper reads at most 223 tokens before it listens, and the last ones of a longer text."""
+"""Length of a prompt: Whisper reads at most 223 tokens, the last ones of a longer text."""
 _MOST_OF_PAIRS = 4
-"""Sentences of a skill that takes two names; each with each would be too many."""
+"""Number of sentences of a skill with two names; all combinations would be too many."""
 
 
 class HearingPrompts:
-    """Gives the prompt of each language, made anew where words were learned meanwhile.
+    """Gives the prompt of each language, rebuilt after the robot has learned words.
 
-    Only English gets the robot's own commands: names are English in every language, and shown
-    sentences that mix two, Portuguese "Pare!" was heard as "París!".
+    Only English gets the robot's own commands. Names are English in every language, and a prompt
+    that mixed two languages made Whisper hear the Portuguese "Pare!" as "París!".
     """
 
     def __init__(self, skills: SkillSet) -> None:
@@ -43,8 +43,9 @@ class HearingPrompts:
 
 
 def hearing_prompt(skills: Iterable[Skill], book: Phrasebook) -> str:
-    """How commands are written in this language, and then the robot's own: for each skill a plain
-    way to ask for it, with each name that it knows while there is room.
+    """The prompt of one language: the robot's commands while there is room, then sample commands.
+
+    Each skill gives plain sentences that ask for it, with each name that it knows.
     """
     room = MOST_CHARACTERS - len(book.hearing.written)
     kept: list[str] = []
@@ -53,12 +54,12 @@ def hearing_prompt(skills: Iterable[Skill], book: Phrasebook) -> str:
         if room < 0:
             break
         kept.append(sentence)
-    # What stands last is expected most: how things are written stays there.
+    # Whisper expects the last words most, so the sample spelling stands last.
     return " ".join([*kept, book.hearing.written])
 
 
 def _usual(one: Skill, book: Phrasebook) -> list[str]:
-    """Its most usual wording with each of its names, and what is said of those alone."""
+    """The skill's most usual wording with each of its names, and the bare names."""
     if one.lasting:  # to forget a place must never be what was expected
         return []
     found: dict[tuple[int, tuple[str, ...]], str] = {}

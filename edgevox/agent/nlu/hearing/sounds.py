@@ -1,7 +1,7 @@
-"""How alike two phrases sound: an edit distance over their phonemes, for many phrases at once.
+"""Similarity of sounds: an edit distance over phonemes, for many phrases at once.
 
-What is said in noise is written down as other words that sound like it: "kitchen plate" for
-"kitchen, please". The phonemes come from whoever can read a language aloud.
+Speech recognition in noise writes other words that sound alike: "kitchen plate" for "kitchen,
+please". The phonemes come from a program that reads a language aloud.
 """
 
 from collections.abc import Callable, Sequence
@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 Phonemes = Callable[[str, str], str]
-"""The phonemes of a text in a language, in letters of the IPA."""
+"""Returns the phonemes of a text in a language, in letters of the IPA."""
 Costs = NDArray[np.float32]
 
 # ruff: noqa: RUF001 - letters of the IPA
@@ -18,7 +18,7 @@ _KINDS = (
     "p b", "t d ɾ ʈ ɖ", "k ɡ g q", "f v", "θ ð", "s z", "ʃ ʒ ɕ ʑ", "h x ħ ɦ ç χ", "m", "n ɲ ŋ ɳ",
     "l ɭ ʎ ɫ", "ɹ r ʁ ɻ ɽ", "w ʋ ɥ", "j ʝ",
 )  # fmt: skip
-"""Consonants, of which those of one kind differ in little but the voice."""
+"""Kinds of consonants; those of one kind differ in little but the voice."""
 _FAMILIES = ((0, 1, 2), (3, 4, 5, 6, 7), (8, 9), (10, 11, 12, 13))
 """Kinds that noise makes alike: stops, hisses, nasals, glides."""
 _SAME_KIND, _SAME_FAMILY, _OTHER = 0.3, 0.6, 1.0
@@ -46,7 +46,7 @@ def _substitution(one: str, other: str) -> float:
 
 
 def _weight(letter: str) -> float:
-    """What it costs that this is not heard, or heard though it was not said."""
+    """Cost of a sound that is missing or added."""
     if letter not in _CONSONANTS:
         return _VOWEL
     return _BREATH if _KINDS[_CONSONANTS[letter]].startswith("h") else _CONSONANT
@@ -61,12 +61,12 @@ for _one, _at in _IDS.items():
 
 
 def sounds_of(phonemes: str) -> tuple[int, ...]:
-    """Its sounds as numbers; stress, length, tones and gaps between words are none."""
+    """The sounds as numbers, without stress, length, tones and gaps between words."""
     return tuple(_IDS[letter] for letter in phonemes if letter in _IDS)
 
 
 class SoundTable:
-    """Phrases, by their sounds, to be compared with what was heard."""
+    """A table of phrases by their sounds, to compare with heard words."""
 
     def __init__(self, phrases: Sequence[tuple[int, ...]]) -> None:
         longest = max(map(len, phrases), default=0)
@@ -78,9 +78,9 @@ class SoundTable:
         np.cumsum(_WEIGHTS[self._sounds], axis=1, out=self._sums[:, 1:])
 
     def distances(self, heard: tuple[int, ...], most: float) -> Costs:
-        """For each phrase the share of its sounds that would have to be others: 0 is the same.
+        """Distance of each phrase: the share of its sounds that differ, 0 for the same sounds.
 
-        Those that are farther than `most` by their length alone are infinitely far.
+        A phrase that is farther than `most` by its length alone is infinitely far.
         """
         whole = self._sums[:, -1] if self._sums.shape[1] else np.zeros(0, np.float32)
         total = float(_WEIGHTS[list(heard)].sum())
@@ -95,9 +95,9 @@ class SoundTable:
 
     @staticmethod
     def _edits(heard: tuple[int, ...], sounds: NDArray[np.intp], sums: Costs) -> Costs:
-        """The cheapest edits of what was heard into the beginnings of each phrase.
+        """Costs of the cheapest edits from the heard sounds to the beginnings of each phrase.
 
-        Row by row of the usual table; what is inserted is a running minimum over it.
+        Works row by row through the usual table; insertions are a running minimum over a row.
         """
         row = sums.copy()
         for one in heard:

@@ -1,8 +1,8 @@
-"""Plain ways to say what skills do, each with its call: what a misheard sentence is compared with.
+"""Wordings: usual sentences for calls, to compare a misheard sentence with.
 
-They come from the templates, which hold many more: of what may be left out all is but articles
-before names, and of several words for the same the first few stand. What takes a number has none
-here: a number that was not heard is not guessed.
+They are a selection from the templates: optional words are left out, except articles before names,
+and of several alternatives the first few stay. Calls with numbers have no wordings, because a
+number that was not heard must not be guessed.
 """
 
 import itertools
@@ -25,29 +25,32 @@ from edgevox.agent.phrases.phrasebook import Phrasebook
 from edgevox.agent.skills import Call, Skill
 
 _MOST_ALTERNATIVES = 4
-"""Of words that mean the same, the first few are the usual ones."""
+"""Number of alternatives that are used: the first ones are the usual ones."""
 _MOST_FRAMES = 80
-"""Of one skill, and the first of each of its templates come first."""
+"""Number of frames of one skill, the first of each template before the second ones."""
 _MOST_SENTENCES = 700
-"""Of one skill: the more names it knows, the fewer frames there are around them."""
+"""Number of sentences of one skill: the more names it knows, the fewer frames it gets."""
 _SLOT = "{}"
 _ALONE = ("{name}{polite}", "{name}")
-"""What is said of a place where nobody says what to do there."""
+"""Forms of a bare name, without a word for what to do there."""
 
 _Choice = tuple[str, tuple[str, ...]]
 
 
 @dataclass(frozen=True, slots=True)
 class Wording:
-    """A sentence, and what it asks for; `alone` if it is a name and nothing else."""
+    """A usual sentence for a call."""
 
     sentence: str
+    """The sentence."""
     call: Call
+    """The call that it asks for."""
     alone: bool = False
+    """True if the sentence is only a name."""
 
 
 def wordings(one: Skill, book: Phrasebook) -> Iterator[Wording]:
-    """Those of a skill, the most usual one first, and what is said of its names alone."""
+    """The wordings of a skill, the most usual first, then those of its bare names."""
     yield from _of_templates(one, book)
     yield from _of_names(one, book)
 
@@ -66,14 +69,14 @@ def _of_templates(one: Skill, book: Phrasebook) -> Iterator[Wording]:
 
 
 def _names(one: Skill, argument: str, book: Phrasebook) -> Mapping[str, str]:
-    """What is said for its words, each by its own name first; of two arguments only those."""
+    """Spoken names and their words, own names first; only own names if there are more arguments."""
     heard = book.heard(one.choices[argument])
     own = {said: word for said, word in heard.items() if said == word.replace("_", " ")}
     return own or heard if len(one.choices) > 1 else own | heard
 
 
 def _of_names(one: Skill, book: Phrasebook) -> Iterator[Wording]:
-    """A name alone is where to drive, if that is all that the skill needs."""
+    """Wordings of bare names, for a drive that needs only the name."""
     needed = [name for name, info in one.arguments_model.model_fields.items() if info.is_required()]
     if not one.drives or len(needed) != 1 or needed[0] not in one.choices:
         return
@@ -119,7 +122,7 @@ class _TemplateExpander:
             yield from _joined([self._part(expression, at) for at in range(len(expression.items))])
 
     def _part(self, group: Group, at: int) -> list[_Choice]:
-        """What may stand there: an article before a name, though it may be left out."""
+        """The choices for a part of a group; an optional article before a name always stays."""
         part = group.items[at]
         if isinstance(part, Alternative) and part.is_optional:
             article = next(self.expanded(part.items[0]), ("", ()))[0]
@@ -134,7 +137,7 @@ class _TemplateExpander:
 
 @lru_cache(maxsize=512)
 def _rule(written: str) -> Expression:
-    """A rule of a phrasebook: most templates name the same few."""
+    """A parsed rule of a phrasebook. Cached: most templates use the same few."""
     return parse_sentence(written).expression
 
 
@@ -144,7 +147,7 @@ def _joined(parts: Iterable[list[_Choice]]) -> Iterator[_Choice]:
 
 
 def _in_turns(several: Iterable[Iterator[_Choice]]) -> Iterator[_Choice]:
-    """One of each, then the next of each: the first words of all count more than all of one."""
+    """The first item of each iterator, then the second of each, and so on."""
     waiting = list(several)
     while waiting:
         for one in list(waiting):
