@@ -14,7 +14,7 @@ from edgevox.agent.nlu.hearing.prompt import hearing_prompt
 from edgevox.agent.nlu.interpreter import Interpreter
 from edgevox.agent.nlu.meaning import Meaning
 from edgevox.agent.phrases.load import phrasebook
-from edgevox.agent.skills import Call
+from edgevox.agent.skills import Call, SkillSet
 from edgevox.agent.turn import Turn
 from edgevox.apps.agent.models import open_decider, open_phonemes
 from edgevox.core.bus import Bus
@@ -56,9 +56,9 @@ def outcome_figure(outcome: Outcome, number: int, of: int, **more: object) -> Fi
 class Robot:
     """What one robot hears and understands, as the product puts it together."""
 
-    def __init__(self, name: str, model: str = MODEL) -> None:
+    def __init__(self, name: str, model: str = MODEL, skills: SkillSet | None = None) -> None:
         self._name = name
-        self._skills = skills_of_robots()[name]
+        self._skills = skills or skills_of_robots()[name]
         prompt = hearing_prompt(self._skills.values(), phrasebook("en"))
         self._path = locate(model)
         self._whisper = Whisper(lambda _: self._path, prompt_of=lambda _: prompt)
@@ -87,6 +87,10 @@ class Robot:
                 return Outcome.ASKED if right else Outcome.NOTHING
             return Outcome.RIGHT if right else Outcome.WRONG
         return Outcome.RIGHT if right else Outcome.NOTHING
+
+    def understands(self, said: Transcript) -> Meaning | None:
+        """Return the meaning of an utterance, None if it has none."""
+        return self._meaning(said)
 
     def moves(self, said: Transcript) -> bool:
         """Whether it would move for these words, unasked."""

@@ -17,7 +17,15 @@ from functools import lru_cache
 from typing import Any
 
 from hassil import Intents, RecognizeResult, expression, recognize_all
-from hassil.expression import Alternative, Expression, RuleReference, Sentence, TextChunk
+from hassil.expression import (
+    Alternative,
+    Expression,
+    Group,
+    ListReference,
+    RuleReference,
+    Sentence,
+    TextChunk,
+)
 from hassil.intents import Intent, IntentData, SlotList, TextSlotList, WildcardSlotList
 from hassil.parse_expression import parse_sentence
 from hassil.util import normalize_for_matching
@@ -58,6 +66,20 @@ def beginnings(template: Sentence, rules: Mapping[str, Sentence]) -> frozenset[s
     return frozenset({ANY}) if empty or ANY in found else found
 
 
+def _most_slots(part: Expression, rules: Mapping[str, Sentence]) -> int:
+    """The most values that one sentence can give a part of a template."""
+    match part:
+        case ListReference():
+            return 1
+        case RuleReference(rule_name=name) if name in rules:
+            return _most_slots(rules[name].expression, rules)
+        case Alternative():
+            return max((_most_slots(item, rules) for item in part.items), default=0)
+        case Group():
+            return sum(_most_slots(item, rules) for item in part.items)
+    return 0
+
+
 def _begins(part: Expression, rules: Mapping[str, Sentence]) -> tuple[frozenset[str], bool]:
     """Beginnings of a part of a template, and whether the part may be empty."""
     match part:
@@ -87,6 +109,9 @@ def _compared(word: str) -> str:
 _MOST_TEMPLATES = 4096
 """Number of parsed templates of a language that are kept; all robots together have about 700."""
 
+LOOSE_SLOTS = 4
+"""A template that one sentence can give more values is not tried with any words in their places:
+each place may end at each word, and a sentence of ten words was tried for hours."""
 _Lists = dict[str, SlotList]
 
 
@@ -97,6 +122,8 @@ def compile_templates(skills: SkillSet, book: Phrasebook, *, loose: bool) -> "Te
         name: book.templates(one) for name, one in skills.items() if not loose or one.choices
     }
     parsed = {name: [shared.template(one) for one in some] for name, some in templates.items()}
+    if loose:
+        parsed = {n: [one for one in p if one.slots <= LOOSE_SLOTS] for n, p in parsed.items()}
     lists = {name: shared.lists(skills[name], loose=loose) for name, some in parsed.items() if some}
     return Templates(book.code, shared.rules, parsed, lists)
 
@@ -146,6 +173,8 @@ class _Template:
     sentence: Sentence
     begins: Mapping[str, tuple[str, ...]]
     """Beginnings of its sentences, by their first letter."""
+    slots: int
+    """The most values that one sentence can give it."""
 
 
 _Beginning = dict[str, list[tuple[Sentence, tuple[str, ...]]]]
@@ -180,7 +209,7 @@ class _SharedTemplates:
         begins: dict[str, tuple[str, ...]] = {}
         for one in beginnings(sentence, self.rules):
             begins[one[:1]] = (*begins.get(one[:1], ()), one)
-        return _Template(sentence, begins)
+        return _Template(sentence, begins, _most_slots(sentence.expression, self.rules))
 
     def lists(self, one: Skill, *, loose: bool) -> _Lists:
         """Words for a skill's slots: any words, or a list if the argument has choices.

@@ -125,10 +125,14 @@ ByValue = Annotated[Mapping[str, Word], BeforeValidator(_by_value), at_most(MOST
 """What is said for values, by how they are written: true, 3, or a text."""
 
 
+Template = Annotated[str, Field(min_length=1, max_length=1000)]
+"""A sentence template. An order with six optional parts in any sequence takes 600 characters."""
+
+
 class Sentences(Part):
     """The sentences for a skill and the robot's answers, in one language."""
 
-    sentences: list[Word] = Field(default_factory=list, max_length=50)
+    sentences: list[Template] = Field(default_factory=list, max_length=50)
     says: str = ""
     done: str = ""
     failed: str = ""

@@ -117,3 +117,25 @@ def test_a_template_is_read_once_however_many_recognisers_have_it(monkeypatch):
     assert Recogniser(skills, "de").recognise("go to the kitchen") == Understood((to("kitchen"),))
     with pytest.raises(TypeError):
         Recogniser(SkillSet([skill(templates=["where am I"])(get_pose.function)]), "de")
+
+
+def test_a_template_with_many_optional_values_takes_no_longer_for_words_it_does_not_know():
+    part = "[[(with|and)] [(a|an)] ({milk}|{sugar}|{size}|{roast}|{shots})"
+    some = OneOf(("small", "dark roast", "double shot", "soy milk", "brown sugar"))
+
+    @skill(templates=["[(give|make) me] [a] {drink} " + 5 * part + 5 * "]"], moves=False)
+    def order(
+        goal,
+        drink: Annotated[str, OneOf(("mocha", "latte"))],
+        milk: Annotated[str, some] = "soy milk",
+        sugar: Annotated[str, some] = "brown sugar",
+        size: Annotated[str, some] = "small",
+        roast: Annotated[str, some] = "dark roast",
+        shots: Annotated[str, some] = "double shot",
+    ):
+        """Make a drink."""
+
+    orders = Recogniser(SkillSet([order]))
+
+    assert orders.recognise("make me a latte with brown sugar") is not None
+    assert orders.recognise("brew a small single shot marker with a bit of something or so") is None

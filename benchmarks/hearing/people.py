@@ -1,0 +1,275 @@
+"""Real people: orders to a coffee machine, a wake word, and words that are no stop words.
+
+`EDGEVOX_PEOPLE` names a folder of recordings with an `index.jsonl`: in `orders/` spoken orders,
+each with its slots and its speaker (Picovoice's Speech-to-Intent Benchmark), in `words/` single
+words (its Wake Word Benchmark), in `noise/` a kitchen and a gym. Without it this benchmark is left
+out.
+
+Half of the speakers are reported; the other half is for choosing thresholds and weights (`half`).
+An order is mixed with noise as in the published figures: scaled by the loudest 128 ms of both. It
+takes the way that sound takes: voice activity, the end of an utterance, Whisper as the product sets
+it up, and the interpreter, for the robot file `barista.yaml`. "right" is the whole order, done
+without a question; "wrong" is another order, done without a question. A transcript is right if each
+slot's words are in it. Beside it stands the same Whisper model without the product's adapter.
+"""
+
+import hashlib
+import json
+import os
+import re
+import zlib
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from enum import Enum
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from faster_whisper import WhisperModel, decode_audio
+from listener_rig import frames
+from numpy.typing import NDArray
+
+from benchmarks.core.figures import Figure, Measured, NotHere
+from benchmarks.hearing.heard_robot import MODEL, Outcome, Robot
+from benchmarks.hearing.wake_words import ENGINES, LABELS
+from edgevox.agent.skills import SkillSet
+from edgevox.models import ModelMissing, locate
+from edgevox.ros2.robot_file.load import load_robot_file
+from edgevox.ros2.robot_file.skills import described_skills
+from edgevox.voice.audio import RATE_HZ, Samples
+from edgevox.voice.foreground import open_vad
+from edgevox.voice.stop.network import ENCODER
+from edgevox.voice.stop.spotter import open_stop_spotter
+from edgevox.voice.stt.speech_to_text import Transcript
+
+FOLDER = "EDGEVOX_PEOPLE"
+BARISTA = Path(__file__).with_name("barista.yaml")
+ORDERS = "People's orders, whole, speakers kept apart"
+WORDS = "People's words: transcripts of whole orders"
+WAKE, STOPS = "People who say the wake word", "People's words that are no stop words"
+CONDITIONS: Mapping[str, float | None] = {
+    "quiet": None, "24 dB": 24.0, "12 dB": 12.0, "6 dB": 6.0,
+}  # fmt: skip
+"""Noise of a kitchen and a gym, by the loudest 128 ms of speech and of noise."""
+LOUDEST = round(0.128 * RATE_HZ)
+BEFORE_S, AFTER_S = 1.0, 1.2
+NUMBERS = {"8": "eight", "12": "twelve", "16": "sixteen", "20": "twenty", "oz": "ounce"}
+AMOUNTS = ("some", "a bit of", "a little bit of", "a lot of", "lots of")
+
+
+class Half(Enum):
+    """Half of the speakers."""
+
+    REPORTED = 0
+    TO_CHOOSE_WITH = 1
+
+
+@dataclass(frozen=True, slots=True)
+class Order:
+    """A recording of one order. `slots` has what was ordered, in the words of the data set."""
+
+    file: Path
+    speaker: str
+    slots: Mapping[str, str]
+
+    @property
+    def wanted(self) -> dict[str, str]:
+        """The arguments of the robot file's skill."""
+        names = {
+            "coffeeDrink": "drink", "size": "size", "roast": "roast", "numberOfShots": "shots",
+        }  # fmt: skip
+        found = {names[key]: said for key, said in self.slots.items() if key in names}
+        for key, name in (("milkAmount", "milk"), ("sugarAmount", "sugar")):
+            if said := self.slots.get(key):
+                much = next((one for one in AMOUNTS[::-1] if said.startswith(f"{one} ")), "")
+                found[name] = said.removeprefix(much).strip()
+                if much:
+                    found[f"much_{name}"] = much
+        return found
+
+
+@dataclass
+class Heard:
+    """What became of each order in one condition, and whose transcripts were whole."""
+
+    outcomes: list[Outcome] = field(default_factory=list)
+    ours: list[bool] = field(default_factory=list)
+    untouched: list[bool] = field(default_factory=list)
+    lines: list[str] = field(default_factory=list)
+
+
+def folder() -> Path:
+    """The recordings. Raises `NotHere`."""
+    place = os.environ.get(FOLDER, "")
+    if not place or not (Path(place) / "index.jsonl").is_file():
+        raise NotHere(f"{FOLDER} names no folder with an index.jsonl of people's recordings")
+    return Path(place)
+
+
+def orders(half: Half) -> list[Order]:
+    """Every order by the speakers of this half. Raises `NotHere`."""
+    rows = map(json.loads, (folder() / "index.jsonl").read_text("utf-8").splitlines())
+    return [
+        Order(folder() / row["file"], row["speaker"], row["slots"])
+        for row in rows
+        if "slots" in row and _half(row["speaker"]) is half
+    ]
+
+
+def measure(quick: bool = False) -> Measured:
+    """All of it on the reported half. Raises `NotHere` without recordings or models."""
+    every = orders(Half.REPORTED)[:: 12 if quick else 1]
+    try:
+        robot = Robot("barista", skills=barista())
+        plain = WhisperModel(str(locate(MODEL)), device="cpu", compute_type="int8")
+        heard = {name: _heard(every, robot, plain, name) for name in CONDITIONS}
+        figures = [*_of_orders(heard), *_of_words(quick)]
+    except ModelMissing as error:
+        raise NotHere(str(error)) from error
+    notes = {name: tuple(one.lines) for name, one in heard.items()}
+    return Measured(figures=tuple(figures), notes=notes)
+
+
+def barista() -> SkillSet:
+    """The skills of the robot file."""
+    described = load_robot_file(BARISTA)
+    return SkillSet([one.skill() for one in described_skills(described.robot, described.file)])
+
+
+def in_noise(clip: Samples, condition: str, seed: str) -> Samples:
+    """What the microphone hears: the clip with a second around it, and noise that begins before."""
+    padded = np.pad(clip.astype(np.float64), (int(BEFORE_S * RATE_HZ), int(AFTER_S * RATE_HZ)))
+    snr_db = CONDITIONS[condition]
+    rng = np.random.default_rng(zlib.crc32(f"{seed} {condition}".encode()))
+    if snr_db is None:
+        beside: NDArray[np.float64] = rng.normal(0.0, 3.0, padded.size)
+    else:
+        noises = sorted((folder() / "noise").iterdir())
+        noise = recording(noises[rng.integers(len(noises))]).astype(np.float64)
+        start = rng.integers(noise.size)
+        beside = np.resize(np.roll(noise, -start), padded.size)
+        beside *= np.sqrt(_loudest(clip) / _loudest(beside) / 10 ** (snr_db / 10))
+    return np.clip(padded + beside, -32768, 32767).astype(np.int16)
+
+
+@cache
+def recording(file: Path) -> Samples:
+    """A FLAC file as samples of 16 bit."""
+    sound: NDArray[np.float32] = decode_audio(str(file), RATE_HZ)
+    return np.clip(sound * 32768, -32768, 32767).astype(np.int16)
+
+
+def is_whole(text: str, slots: Mapping[str, str]) -> bool:
+    """Whether the words of each slot are in a transcript, side by side."""
+    said = f" {_plain(text)} "
+    return all(f" {_plain(one)} " in said for one in slots.values())
+
+
+def _plain(text: str) -> str:
+    words = re.sub(r"(\d)(oz)", r"\1 \2", text.lower().replace("-", " "))
+    return " ".join(NUMBERS.get(one, one) for one in re.findall(r"[a-z']+|\d+", words))
+
+
+def _half(speaker: str) -> Half:
+    return Half(hashlib.sha256(speaker.encode()).digest()[0] % 2)
+
+
+def _loudest(sound: NDArray[Any]) -> float:
+    """The mean power of its loudest 128 ms."""
+    power = np.square(sound, dtype=np.float64)[: sound.size // LOUDEST * LOUDEST]
+    return max(1e-9, float(power.reshape(-1, LOUDEST).mean(axis=1).max(initial=0.0)))
+
+
+def _heard(every: Sequence[Order], robot: Robot, plain: WhisperModel, condition: str) -> Heard:
+    found = Heard()
+    for one in every:
+        sound = in_noise(recording(one.file), condition, one.file.name)
+        said = robot.hear(sound)
+        outcome = _outcome(robot, said, one.wanted)
+        text = " ".join(part.text for part in said)
+        wide = sound.astype(np.float32) / 32768
+        segments, _ = plain.transcribe(wide, language="en", beam_size=5)
+        other = " ".join(segment.text for segment in segments)
+        found.outcomes.append(outcome)
+        found.ours.append(is_whole(text, one.slots))
+        found.untouched.append(is_whole(other, one.slots))
+        if outcome is not Outcome.RIGHT:
+            found.lines.append(f"{one.file.stem}: {text!r}: {outcome.value}")
+    return found
+
+
+def _outcome(robot: Robot, several: Sequence[Transcript], wanted: Mapping[str, str]) -> Outcome:
+    """What becomes of an order, by the worst of what is done."""
+    found = {Outcome.NOTHING}
+    for said in several:
+        meaning = robot.understands(said)
+        if meaning is None or not meaning.calls:
+            continue
+        right = [dict(call.arguments) for call in meaning.calls] == [dict(wanted)]
+        if right:
+            found.add(Outcome.RIGHT if meaning.sure else Outcome.ASKED)
+        elif meaning.sure:
+            found.add(Outcome.WRONG)
+    return next(one for one in Outcome if one in found)
+
+
+def _of_orders(heard: Mapping[str, Heard]) -> Iterator[Figure]:
+    for condition, one in heard.items():
+        tries = len(one.outcomes)
+        at = condition.replace(" ", "").lower()
+        for outcome in Outcome:
+            wrong = outcome is Outcome.WRONG
+            yield Figure.share(
+                f"orders.{at}.{outcome.name.lower()}", ORDERS, condition,
+                one.outcomes.count(outcome), tries, column=outcome.value,
+                more_is_better=outcome is Outcome.RIGHT, wanted=1.0 if wrong else None,
+            )  # fmt: skip
+        yield Figure.share(
+            f"words.{at}.untouched", WORDS, condition, sum(one.untouched), tries,
+            column=f"{MODEL}, untouched", more_is_better=True,
+        )  # fmt: skip
+        yield Figure.share(
+            f"words.{at}.ours", WORDS, condition, sum(one.ours), tries, column="as EdgeVox hears",
+            more_is_better=True, baseline=f"words.{at}.untouched",
+        )  # fmt: skip
+
+
+def _of_words(quick: bool) -> Iterator[Figure]:
+    """The wake word "alexa", and false stops, of every recorded word."""
+    files = sorted((folder() / "words").iterdir())[:: 24 if quick else 1]
+    called = [one for one in files if one.name.startswith("alexa")]
+    others = [one for one in files if not one.name.startswith("alexa")]
+    for name, open_it in ENGINES.items():
+        detector = open_it("alexa")
+        for condition in ("quiet", "12 dB"):
+            hits = sum(_wakes(detector, in_noise(recording(f), condition, f.name)) for f in called)
+            yield Figure.share(
+                f"wake.{name}.{condition.replace(' ', '')}".lower(), WAKE, LABELS[name], hits,
+                len(called), column=f"heard, {condition}", more_is_better=True,
+            )  # fmt: skip
+        alarms = sum(_wakes(detector, in_noise(recording(f), "quiet", f.name)) for f in others)
+        yield Figure.share(
+            f"wake.{name}.others", WAKE, LABELS[name], alarms, len(others),
+            column="other words taken for it",
+        )  # fmt: skip
+        detector.close()
+    spotter, vad = open_stop_spotter(locate(ENCODER)), open_vad()
+    spotter.warm_up()
+    stops = 0
+    for file in files:
+        vad.reset()
+        spotter.forget()
+        sound = in_noise(recording(file), "quiet", file.name)
+        heard = [spotter.heard(f.samples, vad.probability(f.samples), "en") for f in frames(sound)]
+        stops += any(heard)
+    yield Figure.share(
+        "stops.false", STOPS, "taken for a stop word by the spotter", stops, len(files), wanted=0.0
+    )
+
+
+def _wakes(detector: Any, sound: Samples) -> bool:
+    vad = open_vad()
+    detector.reset()
+    heard = [detector.heard(one.samples, vad.probability(one.samples)) for one in frames(sound)]
+    return any(heard)
