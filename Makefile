@@ -146,7 +146,7 @@ bench: $(DONE)/dev $(DONE)/msgs $(DONE)/llama-cpp ## Measure everything, in hour
 people: $(DONE)/dev $(DONE)/msgs ## Measure hearing on real people; PEOPLE=... is the folder of their recordings.
 	@$(if $(PEOPLE),,echo "make people: PEOPLE names no folder of recordings" >&2; exit 2)
 	@$(BIN)/edgevox-models fetch $(TEST_MODELS)
-	@EDGEVOX_PEOPLE=$(abspath $(PEOPLE)) $(BIN)/python -m benchmarks.core.run --only people $(ARGS)
+	@EDGEVOX_PEOPLE=$(abspath $(PEOPLE)) $(BIN)/python -m benchmarks.hearing.people $(ARGS)
 
 .PHONY: image
 image: ## Build the container's image; where no registry is reached, its base too (as root).

@@ -54,10 +54,6 @@ BENCHMARKS: Mapping[str, Benchmark] = {
         "plain commands in quiet and in noise, and what is heard out of noise alone",
         "commands_at_10_db",
     ),
-    "people": Benchmark(
-        "benchmarks.hearing.people",
-        "real people's orders, wake words and other words; needs their recordings",
-    ),
     "noise_ways": Benchmark(
         "training.adapter.noise_ways",
         "noise suppression, gain control and a larger model, for commands in noise",

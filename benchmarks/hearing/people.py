@@ -2,8 +2,8 @@
 
 `EDGEVOX_PEOPLE` names a folder of recordings with an `index.jsonl`: in `orders/` spoken orders,
 each with its slots and its speaker (Picovoice's Speech-to-Intent Benchmark), in `words/` single
-words (its Wake Word Benchmark), in `noise/` a kitchen and a gym. Without it this benchmark is left
-out.
+words (its Wake Word Benchmark), in `noise/` a kitchen and a gym. Without it this benchmark ends
+with a line that says so.
 
 Half of the speakers are reported; the other half is for choosing thresholds and weights (`half`).
 An order is mixed with noise as in the published figures: scaled by the loudest 128 ms of both. It
@@ -13,10 +13,12 @@ without a question; "wrong" is another order, done without a question. A transcr
 slot's words are in it. Beside it stands the same Whisper model without the product's adapter.
 """
 
+import argparse
 import hashlib
 import json
 import os
 import re
+import sys
 import zlib
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -115,6 +117,23 @@ def orders(half: Half) -> list[Order]:
         for row in rows
         if "slots" in row and _half(row["speaker"]) is half
     ]
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Print the figures. They are on no page until a whole run of them is kept."""
+    parser = argparse.ArgumentParser(description="Measure hearing on real people's recordings.")
+    parser.add_argument("--quick", action="store_true", help="only every twelfth recording")
+    try:
+        found = measure(parser.parse_args(arguments).quick)
+    except NotHere as reason:
+        print(f"people: not measured: {reason}", file=sys.stderr)
+        return 2
+    for one in found.figures:
+        print(f"{one.table}: {one.what}, {one.column}: {one.value} {one.unit} of {one.n} "
+              f"({one.low} to {one.high})")  # fmt: skip
+    for heading, lines in found.notes.items():
+        print(f"\n{heading}, not as meant:", *lines, sep="\n")
+    return 0
 
 
 def measure(quick: bool = False) -> Measured:
@@ -273,3 +292,7 @@ def _wakes(detector: Any, sound: Samples) -> bool:
     detector.reset()
     heard = [detector.heard(one.samples, vad.probability(one.samples)) for one in frames(sound)]
     return any(heard)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
