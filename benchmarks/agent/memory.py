@@ -10,17 +10,15 @@ that it starts. A page that processes share counts in part in each of them (PSS)
 import os
 import subprocess
 import tempfile
-import wave
 from pathlib import Path
 
-import numpy as np
 from listener_rig import loud, says_piper, silence
+from support.recordings import write_wav
 
 from benchmarks.core.figures import Figure, Measured, NotHere
 from benchmarks.core.stopwatch import repeatedly
 from benchmarks.core.talker import AGENT, isolate
 from edgevox.models import ModelMissing
-from edgevox.voice.audio import RATE_HZ
 
 TABLE = "Memory with the default set"
 SAID = ("go to the kitchen", "get yourself to the bedroom, please", "how do bees make honey?")
@@ -78,12 +76,7 @@ def _record(file: Path) -> None:
     pieces = [silence(1.0)]
     for text in SAID:
         pieces += [loud(says_piper(text), 0.08), silence(BETWEEN_S)]
-    sound = np.concatenate(pieces)
-    with wave.open(str(file), "wb") as written:
-        written.setnchannels(1)
-        written.setsampwidth(2)
-        written.setframerate(RATE_HZ)
-        written.writeframes(sound.tobytes())
+    write_wav(file, *pieces)
 
 
 def _run(said: Path, answers: Path) -> tuple[Memory, list[str]]:

@@ -3,7 +3,6 @@
 import tempfile
 import threading
 import time
-import wave
 from collections.abc import Iterator
 from contextlib import ExitStack, redirect_stdout
 from io import StringIO
@@ -13,6 +12,7 @@ from typing import Any
 import numpy as np
 from listener_rig import loud
 from ports import free_port
+from support.recordings import write_wav
 from voice_rig import says
 
 from benchmarks.console.browser import LOUD, monotonic_s, opened
@@ -170,13 +170,8 @@ def _pushed_s(spoken: Spoken, said: Samples) -> float:
 def _written(folder: Path, said: Samples) -> Path:
     """What the microphone of a browser plays, once from when it is opened."""
     sound = np.concatenate([quiet_room(2.0), said, quiet_room(8.0)])
-    file = folder / "said.wav"
-    with wave.open(str(file), "wb") as out:
-        out.setnchannels(1)
-        out.setsampwidth(2)
-        out.setframerate(MICROPHONE_HZ)
-        out.writeframes(resampled(sound, RATE_HZ, MICROPHONE_HZ).astype("<i2").tobytes())
-    return file
+    heard = resampled(sound, RATE_HZ, MICROPHONE_HZ)
+    return write_wav(folder / "said.wav", heard, rate_hz=MICROPHONE_HZ)
 
 
 def _paged_s(spoken: Spoken, page: Any) -> float:

@@ -1,7 +1,6 @@
 """A Chromium whose microphone plays a file, and the files for it."""
 
 import shutil
-import wave
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -9,6 +8,7 @@ from pathlib import Path
 import numpy as np
 from browser_rig import let_in, take_the_turn
 from playwright.sync_api import Browser, Page, Playwright
+from support.recordings import write_wav
 
 from edgevox.core.cancel import CancelToken
 from edgevox.core.languages import LANGUAGES
@@ -41,12 +41,7 @@ def silence(seconds: float) -> np.ndarray:
 
 
 def write(path: Path, *sounds: np.ndarray) -> Path:
-    with wave.open(str(path), "wb") as file:
-        file.setnchannels(1)
-        file.setsampwidth(2)
-        file.setframerate(RATE_HZ)
-        file.writeframes(np.concatenate(sounds).astype("<i2").tobytes())
-    return path
+    return write_wav(path, *sounds, rate_hz=RATE_HZ)
 
 
 def launch(playwright: Playwright, *flags: str) -> Browser:

@@ -3,9 +3,7 @@
 import functools
 import itertools
 import shutil
-import wave
-from collections.abc import Iterator, Sequence
-from pathlib import Path
+from collections.abc import Iterator
 from tempfile import TemporaryDirectory
 
 import espeakng_loader
@@ -115,15 +113,6 @@ def loud(sound: Samples, level: float) -> Samples:
     """The same at another root mean square, 0 to 1, measured over all of it."""
     wide = sound.astype(np.float64)
     return np.clip(wide * level * 32768 / np.sqrt(np.mean(wide**2)), -32767, 32767).astype(np.int16)
-
-
-def write_wav(path: Path, pieces: Sequence[Samples]) -> None:
-    """One after the other, as a recording at `RATE_HZ`."""
-    with wave.open(str(path), "wb") as file:
-        file.setnchannels(1)
-        file.setsampwidth(2)
-        file.setframerate(RATE_HZ)
-        file.writeframes(np.concatenate(pieces).tobytes())
 
 
 def noises(seconds: float) -> dict[str, Samples]:

@@ -13,7 +13,8 @@ from pathlib import Path
 
 import pytest
 from guards import HUNG_S
-from listener_rig import loud, says_espeak, silence, write_wav
+from listener_rig import loud, says_espeak, silence
+from support.recordings import write_wav
 from test_voice_program import AGENT
 from waiting import Heard
 
@@ -33,7 +34,7 @@ class Program:
     def __init__(self, folder: Path, *, llm: str, voice: str) -> None:
         said, self.answers = folder / "said.wav", folder / "answers.wav"
         speech = loud(says_espeak("where are you", "en-us"), 0.08)
-        write_wav(said, [silence(0.5), speech, silence(60.0)])
+        write_wav(said, silence(0.5), speech, silence(60.0))
         self._process = subprocess.Popen(
             [
                 *DEAF_TO_NOTHING,

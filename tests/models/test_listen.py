@@ -7,7 +7,8 @@ import sys
 import numpy as np
 import pytest
 from guards import HUNG_S
-from listener_rig import loud, noises, says_espeak, says_piper, silence, write_wav
+from listener_rig import loud, noises, says_espeak, says_piper, silence
+from support.recordings import write_wav
 from voice_engines import words
 
 from edgevox.voice.audio import RATE_HZ
@@ -34,7 +35,7 @@ def recording(tmp_path):
     file = tmp_path / "said.wav"
     said = loud(says_espeak("go to the kitchen", "en-us"), 0.08)
     sound = np.concatenate([silence(1.0), said, silence(1.0)])
-    write_wav(file, [sound + loud(noises(sound.size / RATE_HZ)["hiss"], 0.0025)[: sound.size]])
+    write_wav(file, sound + loud(noises(sound.size / RATE_HZ)["hiss"], 0.0025)[: sound.size])
     return file
 
 
@@ -61,7 +62,7 @@ def thought(lines, detector):
 def test_the_wake_word_and_a_stop_word_by_its_sound_are_told_and_unasked_nothing_is_kept(tmp_path):
     file = tmp_path / "said.wav"
     pieces = [silence(1.5), says_piper("hey jarvis"), silence(1.5), says_espeak("Stop!")]
-    write_wav(file, [*pieces, silence(1.0)])
+    write_wav(file, *pieces, silence(1.0))
 
     code, lines, errors = listen("--audio-in", file, "--wakeword", "hey jarvis")
 

@@ -2,7 +2,8 @@
 
 from types import SimpleNamespace
 
-from listener_rig import loud, says_espeak, silence, write_wav
+from listener_rig import loud, says_espeak, silence
+from support.recordings import write_wav
 
 from edgevox.apps.agent.voice import build_listener
 from edgevox.core.bus import Bus
@@ -16,7 +17,7 @@ from edgevox.voice.stt.speech_to_text import Transcript
 def test_a_quiet_voice_is_heard_while_the_robot_speaks_loudly(tmp_path):
     file, said = tmp_path / "said.wav", []
     quiet = loud(says_espeak("go to the bedroom"), 0.05)
-    write_wav(file, [silence(0.5), quiet, silence(2.0)])
+    write_wav(file, silence(0.5), quiet, silence(2.0))
     voice = SimpleNamespace(
         source=WavFiles([file], paced=False),
         stt=SimpleNamespace(transcribe=lambda *_: Transcript("go to the bedroom")),

@@ -9,7 +9,8 @@ from pathlib import Path
 import numpy as np
 import phrases
 from guards import HUNG_S
-from listener_rig import loud, noises, says_espeak, silence, write_wav
+from listener_rig import loud, noises, says_espeak, silence
+from support.recordings import write_wav
 from voice_engines import hear, words, wrong_words
 from voice_rig import whole_wav
 
@@ -38,7 +39,7 @@ def test_who_speaks_to_it_from_a_file_is_obeyed_and_answered_into_a_file(tmp_pat
         pieces += [loud(says_espeak(command, "en-us"), 0.08), silence(4.0)]
     sound = np.concatenate(pieces)
     hiss = loud(noises(sound.size / RATE_HZ)["hiss"], 0.002)
-    write_wav(said, [sound[: hiss.size] + hiss])
+    write_wav(said, sound[: hiss.size] + hiss)
 
     done = subprocess.run(
         [

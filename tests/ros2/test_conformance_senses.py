@@ -6,7 +6,6 @@ there before.
 """
 
 import json
-import wave
 
 import numpy as np
 import pytest
@@ -18,6 +17,7 @@ from piper import PiperVoice
 from sensor_msgs.msg import CameraInfo, Image
 from std_msgs.msg import Float32, String
 from steady_piper import STEADY
+from support.recordings import write_wav
 
 from edgevox.models import locate
 
@@ -36,12 +36,7 @@ def recording(tmp_path_factory):
     for text in ("Hey Jarvis.", "What do you see?"):
         parts += [c.audio_int16_array for c in voice.synthesize(text, STEADY)]
     path = tmp_path_factory.mktemp("sound") / "asked.wav"
-    with wave.open(str(path), "wb") as file:
-        file.setnchannels(1)
-        file.setsampwidth(2)
-        file.setframerate(RATE_HZ)
-        file.writeframes(np.concatenate([*parts, *(QUIET_S * [pause])]).tobytes())
-    return path
+    return write_wav(path, *parts, *(QUIET_S * [pause]), rate_hz=RATE_HZ)
 
 
 @pytest.fixture(scope="module")
