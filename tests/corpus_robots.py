@@ -42,10 +42,10 @@ def is_right(sentence: Sentence, robot: str, calls: Calls) -> bool:
     """Whether this is what should come of the sentence; of another's nothing should."""
     skills = skills_of_robots()[robot]
     outcomes = sentence.outcomes if robot == sentence.robot else ((),)
-    return _whole(skills, calls) in [_whole(skills, outcome) for outcome in outcomes]
+    return whole(skills, calls) in [whole(skills, outcome) for outcome in outcomes]
 
 
-def _whole(skills: SkillSet, calls: Calls) -> tuple[Call, ...]:
+def whole(skills: SkillSet, calls: Calls) -> tuple[Call, ...]:
     """With the arguments that a call leaves to their defaults; None of it if one is not valid."""
     return tuple(Call(one.skill, _checked(skills, one)) for one in calls)
 

@@ -4,8 +4,7 @@ from collections.abc import Iterator, Sequence
 from enum import Enum
 from functools import cached_property
 
-from corpus_robots import is_right, skills_of_robots
-from corpus_sentences import Calls, Sentence
+from corpus_robots import skills_of_robots, whole
 from listener_rig import frames
 
 from benchmarks.core.figures import Figure
@@ -57,7 +56,6 @@ class Robot:
     """What one robot hears and understands, as the product puts it together."""
 
     def __init__(self, name: str, model: str = MODEL, skills: SkillSet | None = None) -> None:
-        self._name = name
         self._skills = skills or skills_of_robots()[name]
         prompt = hearing_prompt(self._skills.values(), phrasebook("en"))
         self._path = locate(model)
@@ -81,16 +79,12 @@ class Robot:
         meaning = self._meaning(said)
         if meaning is None:
             return Outcome.NOTHING
-        right = self._is_right(meaning, wanted)
+        right = whole(self._skills, meaning.calls) == whole(self._skills, (wanted,))
         if self._drives(meaning):
             if not meaning.sure:
                 return Outcome.ASKED if right else Outcome.NOTHING
             return Outcome.RIGHT if right else Outcome.WRONG
         return Outcome.RIGHT if right else Outcome.NOTHING
-
-    def understands(self, said: Transcript) -> Meaning | None:
-        """Return the meaning of an utterance, None if it has none."""
-        return self._meaning(said)
 
     def moves(self, said: Transcript) -> bool:
         """Whether it would move for these words, unasked."""
@@ -114,11 +108,6 @@ class Robot:
 
     def _drives(self, meaning: Meaning) -> bool:
         return any(self._skills[call.skill].drives for call in meaning.every_call)
-
-    def _is_right(self, meaning: Meaning, wanted: Call) -> bool:
-        outcomes: tuple[Calls, ...] = ((wanted,),)
-        sentence = Sentence("", self._name, "en", "", outcomes)
-        return is_right(sentence, self._name, meaning.calls)
 
 
 def utterances(sound: Samples) -> Iterator[Samples]:

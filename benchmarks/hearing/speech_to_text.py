@@ -84,15 +84,22 @@ def _sounds() -> dict[str, Samples]:
     }
 
 
-def _ways(path: Path) -> dict[str, Callable[[Samples], str]]:
+def untouched(path: Path) -> Callable[..., str]:
+    """Plain faster-whisper: the words of a sound; options are those of its `transcribe`."""
     from faster_whisper import WhisperModel
 
     plain = WhisperModel(str(path), device="cpu", compute_type="int8", cpu_threads=THREADS)
-    ours = Whisper(lambda _: path, threads=THREADS)
 
     def heard(samples: Samples, **options: object) -> str:
         found, _ = plain.transcribe(samples.astype(np.float32) / 32768, language="en", **options)
         return " ".join(segment.text for segment in found)
+
+    return heard
+
+
+def _ways(path: Path) -> dict[str, Callable[[Samples], str]]:
+    heard = untouched(path)
+    ours = Whisper(lambda _: path, threads=THREADS)
 
     return {
         DEFAULTS: heard,

@@ -55,7 +55,7 @@ def measure(quick: bool = False) -> Measured:
         pool = VoicePool(len(KOKORO))
         calls = {phrase: list(_calls(phrase, pool, quick)) for phrase in PHRASES}
         said = {
-            phrase: [(_judged(sound), _judged(_noisy(sound, rng))) for sound in sounds]
+            phrase: [(judged(sound), judged(_noisy(sound, rng))) for sound in sounds]
             for phrase, sounds in calls.items()
         }
         figures = [one for name in ENGINES for one in _of(name, said, quick)]
@@ -76,8 +76,8 @@ def _of(
     for phrase, said in calls.items():
         detector = open_it(phrase)
         for quiet, noisy in said:
-            missed["quiet"] += not _heard(detector, quiet)
-            missed["noise"] += not _heard(detector, noisy)
+            missed["quiet"] += not is_heard(detector, quiet)
+            missed["noise"] += not is_heard(detector, noisy)
         detector.close()
     number = sum(map(len, calls.values()))
     yield figure("missed_quiet", "missed, quiet", 100 * missed["quiet"] / number, "%")
@@ -85,14 +85,14 @@ def _of(
     alarms, hours, some = 0, 0.0, list[Judged]()
     detectors = [open_it(phrase) for phrase in PHRASES]
     for stretch in _without_the_phrases(OTHER_H[name] / (20 if quick else 1)):
-        judged = _judged(stretch.sound)
-        some = some or judged
-        alarms += sum(_heard(detector, judged) for detector in detectors)
+        frames_of = judged(stretch.sound)
+        some = some or frames_of
+        alarms += sum(is_heard(detector, frames_of) for detector in detectors)
         hours += stretch.hours
     yield figure("false_alarms", "false alarms of four phrases", alarms, "")
     yield figure("other_speech", "of speech without them", hours, "h")
     for column, sound in (
-        ("silence", _judged(quiet_room(60.0))),
+        ("silence", judged(quiet_room(60.0))),
         ("speech", some[: round(60 / FRAME_S)]),
     ):
         yield figure(f"share_{column}", f"of a core, {column}", _share(detectors[0], sound), "%")
@@ -110,7 +110,8 @@ def _without_the_phrases(hours: float) -> Iterator[Stretch]:
     )
 
 
-def _heard(detector: WakeDetector, sound: Sequence[Judged]) -> int:
+def is_heard(detector: WakeDetector, sound: Sequence[Judged]) -> int:
+    """How often a detector, reset before, hears its phrase in a sound."""
     detector.reset()
     return sum(detector.heard(samples, probability) for samples, probability in sound)
 
@@ -118,11 +119,11 @@ def _heard(detector: WakeDetector, sound: Sequence[Judged]) -> int:
 def _share(detector: WakeDetector, sound: Sequence[Judged]) -> float:
     """Percent of a core that it takes beside the voice detector, which always runs."""
     began = time.process_time()
-    _heard(detector, sound)
+    is_heard(detector, sound)
     return 100 * (time.process_time() - began) / (len(sound) * FRAME_S)
 
 
-def _judged(sound: Samples) -> list[Judged]:
+def judged(sound: Samples) -> list[Judged]:
     """Its frames, each with its probability of voice."""
     vad = open_vad()
     return [(frame.samples, vad.probability(frame.samples)) for frame in frames(sound)]
