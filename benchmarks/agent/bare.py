@@ -8,7 +8,7 @@ from collections.abc import Callable
 from types import ModuleType
 from typing import Any
 
-from edgevox.apps.agent import build as composition
+from edgevox.apps.agent import build
 from edgevox.apps.agent import main as agent
 from edgevox.core.bus import Bus
 from edgevox.ros2 import bridge
@@ -33,9 +33,9 @@ def replace(module: ModuleType, name: str, by: Callable[..., Any]) -> None:
 
 def main() -> int:
     """Run it; the process's exit code."""
-    gauges = composition.Gauges  # type: ignore[attr-defined]
-    replace(composition, "BusLog", Nothing)
-    replace(composition, "Gauges", lambda _: gauges(Bus()))  # of a bus on which nothing happens
+    gauges = build.Gauges  # type: ignore[attr-defined]
+    replace(build, "BusLog", Nothing)
+    replace(build, "Gauges", lambda _: gauges(Bus()))  # of a bus on which nothing happens
     replace(bridge, "DiagnosticsPublisher", Nothing)
     return agent.main()
 

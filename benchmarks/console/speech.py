@@ -18,7 +18,7 @@ from voice_rig import says
 from benchmarks.console.browser import LOUD, monotonic_s, opened
 from benchmarks.core.figures import Figure
 from benchmarks.hearing.listening import quiet_room
-from edgevox.apps.agent import build as composition
+from edgevox.apps.agent import build
 from edgevox.apps.agent.voice import warm_up_hearing
 from edgevox.apps.console.serve_console import serve_console
 from edgevox.apps.robots import build_body
@@ -60,7 +60,7 @@ class Spoken:
             console_folder=str(folder),
         )
         body = build_body("robot-apartment", settings)
-        self.parts = composition.build_parts(self._stack, settings, body)
+        self.parts = build.build_parts(self._stack, settings, body)
         self.voice = self.parts.voice
         self.acted, self.acted_s = threading.Event(), 0.0
         self.due_s = 0.0
@@ -70,7 +70,7 @@ class Spoken:
         self._note_words()
         self._note_what_is_due()
         for part in (body, self.voice.speech_output, self.parts.conversation, self.parts.listener):
-            composition.start(self._stack, part)
+            build.start(self._stack, part)
         printed = StringIO()
         with redirect_stdout(printed):
             serve_console(self._stack, self.parts)

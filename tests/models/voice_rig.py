@@ -17,7 +17,7 @@ from listener_rig import silence
 from voice_engines import speak, voice
 from waiting import Heard
 
-from edgevox.apps.agent import build as composition
+from edgevox.apps.agent import build
 from edgevox.apps.agent import voice as voice_app
 from edgevox.apps.agent.models import open_decider
 from edgevox.apps.robots import build_body
@@ -130,20 +130,20 @@ class VoiceRig:
         patch.setattr(
             voice_app, "open_sink", lambda spec, **sink: open_sink(spec, **sink, paced=aloud)
         )
-        patch.setattr(composition, "open_decider", shared_decider)
+        patch.setattr(build, "open_decider", shared_decider)
         if model:
-            patch.setattr(composition, "open_model", lambda *_: model)
+            patch.setattr(build, "open_model", lambda *_: model)
         settings = Settings(audio_in="room", audio_out=str(answers), llm="none", **more)
         self._answers, self._heard = answers, 0
         self._stack = ExitStack()
         self.body = build_body(robot, settings, speed) if robot else None
-        self.parts = composition.build_parts(self._stack, settings, self.body)
+        self.parts = build.build_parts(self._stack, settings, self.body)
         self._told = Heard()
         for kind in SEEN:
             self.parts.bus.subscribe(kind, self._told.add)
 
     def start(self):
-        composition.start_parts(self._stack, self.parts)
+        build.start_parts(self._stack, self.parts)
         self.parts.voice.speech_output.warm_up()
         return self
 

@@ -11,7 +11,7 @@ from textual.widgets import Footer, Input, RichLog, Static
 
 from edgevox.apps.agent.build import build_parts, start_parts
 from edgevox.apps.robots import build_body
-from edgevox.apps.terminal import prompt as double_interrupt
+from edgevox.apps.terminal import prompt
 from edgevox.apps.terminal.slash_commands import SlashContext
 from edgevox.apps.tui.face import Face
 from edgevox.apps.tui.run_tui import stderr_as_lines
@@ -142,7 +142,7 @@ def test_a_key_mutes_and_the_screen_says_so():
 
 
 def test_ctrl_c_twice_leaves(monkeypatch):
-    monkeypatch.setattr(double_interrupt, "SECOND_CTRL_C_S", HUNG_S)  # keys may come late
+    monkeypatch.setattr(prompt, "SECOND_CTRL_C_S", HUNG_S)  # keys may come late
 
     async def play(shown):
         await shown.pilot.press("ctrl+c", "ctrl+c")

@@ -20,7 +20,7 @@ from stop_words_rig import (
 
 from edgevox.core.languages import LANGUAGES
 from edgevox.voice.audio import FRAME_S, FRAME_SAMPLES
-from edgevox.voice.stop import network as stop_network
+from edgevox.voice.stop import network
 from edgevox.voice.stop import spotter as stop_spotter
 from edgevox.voice.stop.network import (
     CHANNELS,
@@ -33,7 +33,7 @@ from edgevox.voice.stop.network import (
 )
 from edgevox.voice.stop.spotter import LOOKS_EVERY, REST_S, StopSpotter
 
-SHIPPED = Path(stop_network.__file__).with_name(LANGUAGES_FILE)
+SHIPPED = Path(network.__file__).with_name(LANGUAGES_FILE)
 KNOWN = sorted(read_language_weights())
 NOTHING, ENGLISH, OWN = 0.0, 1.0, 2.0
 """How loud a frame is in which nothing, an English stop word or one of the language is said."""

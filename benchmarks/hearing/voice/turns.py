@@ -20,7 +20,7 @@ from voice_rig import says
 from benchmarks.hearing.listening import quiet_room
 from edgevox.agent.llm.chat.grammar import SAY
 from edgevox.agent.llm.language_model import ChatMessage, LanguageModel
-from edgevox.apps.agent import build as composition
+from edgevox.apps.agent import build
 from edgevox.apps.agent.queries import present_voices
 from edgevox.apps.agent.voice import warm_up_hearing
 from edgevox.apps.robots import build_body
@@ -105,7 +105,7 @@ class Talk:
         self._stack = ExitStack()
         settings = Settings(ros2=True, audio_in="ros2", audio_out="ros2", llm="none")
         self.model: Talkative | None = None
-        opened = composition.open_model
+        opened = build.open_model
         if talkative:
             settings = Settings(ros2=True, audio_in="ros2", audio_out="ros2")
 
@@ -113,14 +113,14 @@ class Talk:
                 self.model = Talkative(opened(*given))
                 return self.model
 
-            composition.open_model = wrapped
+            build.open_model = wrapped
         self.body = body = build_body("robot-apartment", settings)
-        self.parts = composition.build_parts(self._stack, settings, body)
-        composition.open_model = opened
+        self.parts = build.build_parts(self._stack, settings, body)
+        build.open_model = opened
         self.voice = self.parts.voice
         self._listen()
         for part in (body, self.voice.speech_output, self.parts.conversation, self.parts.listener):
-            composition.start(self._stack, part)
+            build.start(self._stack, part)
         warm_up_hearing(self.voice, "en")
         self.voice.speech_output.warm_up()
         if self.model:

@@ -11,8 +11,7 @@ import pytest
 from guards import HUNG_S
 from support.conversation import Talk
 
-from edgevox.agent.goals import executor as goal_runner
-from edgevox.agent.goals import lane
+from edgevox.agent.goals import executor, lane
 from edgevox.agent.goals.lane import GRACE_S
 from edgevox.agent.skills import SkillSet, skill
 from edgevox.core.agent_events import GoalCancelled, GoalChanged, as_json
@@ -167,7 +166,7 @@ def test_a_skill_that_never_ends_is_left_alone_when_it_is_stopped(rig, little_gr
 
 
 def test_an_answer_that_does_not_come_does_not_hold_up_the_next_for_ever(rig, monkeypatch):
-    monkeypatch.setattr(goal_runner, "ANSWER_S", 0.2)
+    monkeypatch.setattr(executor, "ANSWER_S", 0.2)
     rig.say("ponder")
 
     rig.hear(phrases.opening("failed") + phrases.why("took_too_long", skill="ponder", seconds="0"))

@@ -8,9 +8,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from edgevox.agent.llm import factory, tuning
-from edgevox.agent.llm import weights as gguf
-from edgevox.agent.llm import weights as memory_estimate
+from edgevox.agent.llm import factory, tuning, weights
 from edgevox.agent.llm.language_model import ModelFailed
 
 
@@ -39,7 +37,7 @@ def path(tmp_path: Path) -> Path:
 
 
 def test_a_whole_file_passes_with_its_size(path: Path) -> None:
-    assert gguf.check(path).size == path.stat().st_size
+    assert weights.check(path).size == path.stat().st_size
 
 
 def test_a_missing_file_is_named(tmp_path: Path) -> None:
@@ -51,19 +49,19 @@ def test_a_file_of_another_kind_is_refused(path: Path) -> None:
     path.write_bytes(b"<html>not found</html>")
 
     with pytest.raises(ModelFailed, match="not a GGUF model"):
-        gguf.check(path)
+        weights.check(path)
 
 
 def test_a_folder_is_not_a_model(tmp_path: Path) -> None:
     with pytest.raises(ModelFailed, match="cannot be read"):
-        gguf.check(tmp_path)
+        weights.check(tmp_path)
 
 
 def test_a_file_whose_weights_are_cut_off_is_truncated(path: Path) -> None:
     path.write_bytes(whole_file()[:-39_990])
 
     with pytest.raises(ModelFailed, match="truncated"):
-        gguf.check(path)
+        weights.check(path)
 
 
 @settings(suppress_health_check=[HealthCheck.function_scoped_fixture])
@@ -72,7 +70,7 @@ def test_a_header_cut_anywhere_is_refused(path: Path, length: int) -> None:
     path.write_bytes(whole_file()[:length])
 
     with pytest.raises(ModelFailed):
-        gguf.check(path)
+        weights.check(path)
 
 
 @settings(suppress_health_check=[HealthCheck.function_scoped_fixture])
@@ -85,14 +83,14 @@ def test_a_damaged_header_is_refused_or_read_but_never_crashes(
     path.write_bytes(bytes(content))
 
     with contextlib.suppress(ModelFailed):
-        assert gguf.check(path).size == path.stat().st_size
+        assert weights.check(path).size == path.stat().st_size
 
 
 def test_a_model_that_does_not_fit_into_memory_is_refused(
     path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    there = memory_estimate.Memory(1 << 34, 1_000_000)
-    monkeypatch.setattr(memory_estimate, "read_memory", lambda: there)
+    there = weights.Memory(1 << 34, 1_000_000)
+    monkeypatch.setattr(weights, "read_memory", lambda: there)
 
     with pytest.raises(ModelFailed, match="out of memory"):
         factory.load_model(path, "xllamacpp")

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from edgevox.agent.nlu import templates as template_compiler
+from edgevox.agent.nlu import templates
 from edgevox.agent.nlu.templates import MAX_CHARACTERS, Recogniser, RefusedCommand, Understood
 from edgevox.agent.skills import Call, OneOf, SkillSet, skill
 
@@ -112,7 +112,7 @@ def test_any_text_gives_valid_calls_or_none(text):
 def test_a_template_is_read_once_however_many_recognisers_have_it(monkeypatch):
     skills = SkillSet([navigate_to, navigate_xy, get_pose])
     Recogniser(skills, "de")
-    monkeypatch.setattr(template_compiler, "parse_sentence", None)
+    monkeypatch.setattr(templates, "parse_sentence", None)
 
     assert Recogniser(skills, "de").recognise("go to the kitchen") == Understood((to("kitchen"),))
     with pytest.raises(TypeError):

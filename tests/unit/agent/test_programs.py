@@ -5,7 +5,7 @@ import pytest
 from guards import HUNG_S
 from support.conversation import drives
 
-from edgevox.agent.programs import run as program_run
+from edgevox.agent.programs import run
 from edgevox.agent.programs.keeper import LEAD_S
 from edgevox.agent.programs.store import LONGEST_RUN_S, LONGEST_WAIT_S, LOOK_EVERY_S, MAX_PROGRAMS
 from edgevox.core.commands import CancelProgram, Interrupt, Reset
@@ -30,7 +30,7 @@ def talk():
 
 @pytest.fixture
 def quick_rounds(monkeypatch):
-    monkeypatch.setattr(program_run, "SHORTEST_ROUND_S", 0.0)
+    monkeypatch.setattr(run, "SHORTEST_ROUND_S", 0.0)
 
 
 def test_a_patrol_visits_its_rooms_again_and_again_until_it_is_stopped(talk):
@@ -71,7 +71,7 @@ def test_an_order_is_done_so_many_times(talk, quick_rounds):
 
 
 def test_rounds_that_are_over_at_once_do_not_spin(talk, monkeypatch):
-    monkeypatch.setattr(program_run, "SHORTEST_ROUND_S", 2 * HUNG_S)
+    monkeypatch.setattr(run, "SHORTEST_ROUND_S", 2 * HUNG_S)
     talk.body.arrive()
     talk.ask("go to the kitchen three times")
     talk.until_said("I am in the kitchen.")

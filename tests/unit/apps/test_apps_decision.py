@@ -4,7 +4,7 @@ import pytest
 
 from edgevox.agent.nlu.encoder.encoder import Encoder
 from edgevox.agent.nlu.encoder.packed_file import MAGIC
-from edgevox.apps.agent import models as decision
+from edgevox.apps.agent import models
 
 
 def too_large(*_):
@@ -15,17 +15,17 @@ def too_large(*_):
 def test_a_damaged_encoder_is_told_and_done_without(content, tmp_path, monkeypatch, caplog):
     file = tmp_path / "encoder.bin"
     file.write_bytes(content)
-    monkeypatch.setattr(decision, "locate", lambda _: file)
+    monkeypatch.setattr(models, "locate", lambda _: file)
 
-    assert decision.open_decider() is None
+    assert models.open_decider() is None
     assert "encoder_missing" in caplog.text
 
 
 def test_an_encoder_that_is_too_large_for_the_machine_is_told_and_done_without(
     tmp_path, monkeypatch, caplog
 ):
-    monkeypatch.setattr(decision, "locate", lambda _: tmp_path)
+    monkeypatch.setattr(models, "locate", lambda _: tmp_path)
     monkeypatch.setattr(Encoder, "__init__", too_large)
 
-    assert decision.open_decider() is None
+    assert models.open_decider() is None
     assert "MemoryError" in caplog.text

@@ -2,7 +2,7 @@
 
 import pytest
 
-from edgevox.apps.agent import voice as stop_choice
+from edgevox.apps.agent import voice
 from edgevox.core.settings import Settings
 from edgevox.models import Store, model_errors
 
@@ -20,23 +20,23 @@ class Spotter:
 @pytest.fixture
 def spotter(monkeypatch):
     one = Spotter()
-    monkeypatch.setattr(stop_choice, "locate", lambda _: None)
-    monkeypatch.setattr(stop_choice, "open_stop_spotter", lambda _: one)
+    monkeypatch.setattr(voice, "locate", lambda _: None)
+    monkeypatch.setattr(voice, "open_stop_spotter", lambda _: one)
     return one
 
 
 def test_it_is_loaded_before_somebody_says_a_word(spotter):
-    assert stop_choice.open_stop_detector(Settings()) is spotter
+    assert voice.open_stop_detector(Settings()) is spotter
     assert spotter.warm
 
 
 def test_english_stop_words_count_whatever_is_spoken(spotter):
-    assert stop_choice.open_stop_detector(Settings(language="de")) is spotter
+    assert voice.open_stop_detector(Settings(language="de")) is spotter
     assert spotter.warm
 
 
 def test_who_does_not_want_it_has_none(spotter):
-    assert stop_choice.open_stop_detector(Settings(stop_spotter=False)) is None
+    assert voice.open_stop_detector(Settings(stop_spotter=False)) is None
     assert not spotter.warm
 
 
@@ -45,9 +45,9 @@ def test_without_its_model_the_robot_starts_and_says_so(monkeypatch, caplog):
         model = Store().manifest.models[name]
         raise model_errors.ModelMissing(model, Store().folder(model), model.files)
 
-    monkeypatch.setattr(stop_choice, "locate", missing)
+    monkeypatch.setattr(voice, "locate", missing)
 
-    assert stop_choice.open_stop_detector(Settings()) is None
+    assert voice.open_stop_detector(Settings()) is None
     assert "stop_spotter_missing" in caplog.text
     assert "edgevox-models fetch whisper-tiny.en" in caplog.text
 
@@ -55,5 +55,5 @@ def test_without_its_model_the_robot_starts_and_says_so(monkeypatch, caplog):
 def test_a_model_that_cannot_be_loaded_leaves_the_robot_its_hearing(spotter, caplog):
     spotter.broken = "no memory"
 
-    assert stop_choice.open_stop_detector(Settings()) is None
+    assert voice.open_stop_detector(Settings()) is None
     assert "no memory" in caplog.text

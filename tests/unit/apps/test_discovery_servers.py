@@ -6,7 +6,7 @@ import sys
 
 import pytest
 
-from edgevox.apps.container import peers as discovery_servers
+from edgevox.apps.container import peers
 from edgevox.apps.container.peers import server_names, with_server_addresses
 
 KNOWN = {"one": "10.0.0.1", "two": "10.0.0.2", "six": "fd00::6", "10.0.0.9": "10.0.0.9"}
@@ -52,7 +52,7 @@ def test_who_has_no_address_leaves_its_place_since_that_is_a_servers_number(serv
 
 
 def test_without_any_server_it_waits_says_so_and_goes_on_with_the_first_that_comes(monkeypatch):
-    monkeypatch.setattr(discovery_servers, "ROUND_S", 0)
+    monkeypatch.setattr(peers, "ROUND_S", 0)
     rounds, said = [], []
 
     def at_last(name):

@@ -4,8 +4,7 @@ import pytest
 from doctor_rig import ERROR, OK, SKIPPED, WARNING, levels, situation
 from enclaves_rig import DAY, NOW, make_enclave
 
-from edgevox.apps.doctor import robots as robot_interfaces
-from edgevox.apps.doctor import ros, security
+from edgevox.apps.doctor import robots, ros, security
 
 BUILT = {"middleware": "rmw_fastrtps_cpp", "security": True, "bundled_openssl": ""}
 
@@ -62,10 +61,10 @@ def test_in_a_container_it_reads_what_the_entrypoint_set(judged, tmp_path):
 
 def test_with_it_the_doctor_makes_no_nodes_of_its_own(monkeypatch, tmp_path):
     monkeypatch.setattr(ros, "probe_apart", pytest.fail)
-    monkeypatch.setattr(robot_interfaces, "probe_apart", pytest.fail)
+    monkeypatch.setattr(robots, "probe_apart", pytest.fail)
     given = {"ROS_SECURITY_ENABLE": "true"}
     here = situation(environment=given)
     assert ros.judge_round_trip(ros.probe_round_trip(here), here).level is SKIPPED
     here = situation(environment=given, robot_file=tmp_path / "robot.yaml")
-    found = robot_interfaces.probe_robot_file(here)
-    assert levels(robot_interfaces.judge_robot_file(found, here)) == [SKIPPED]
+    found = robots.probe_robot_file(here)
+    assert levels(robots.judge_robot_file(found, here)) == [SKIPPED]

@@ -10,7 +10,7 @@ from guards import HUNG_S
 from edgevox.agent.agents import Agent
 from edgevox.agent.conversation import Conversation
 from edgevox.agent.skills import SkillSet, skill
-from edgevox.apps.agent import play as conversation_harness
+from edgevox.apps.agent import play
 from edgevox.apps.agent.play import ConversationHarness
 from edgevox.core.bus import Bus
 from edgevox.core.errors import EdgeVoxError
@@ -189,7 +189,7 @@ def test_no_time_passes_until_a_goal_has_begun_to_move_the_robot(asked, moments)
 
 
 def test_a_goal_that_does_not_move_the_robot_does_not_hold_its_time_up_for_ever(monkeypatch):
-    monkeypatch.setattr(conversation_harness, "MOST_THINK_S", 0.05)
+    monkeypatch.setattr(play, "MOST_THINK_S", 0.05)
     body = HeldBody()
     with played_on(body) as harness:
         harness.run("dance", {})

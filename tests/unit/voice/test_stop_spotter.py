@@ -7,7 +7,7 @@ import pytest
 
 from edgevox.core.languages import LANGUAGES
 from edgevox.voice.audio import FRAME_S, FRAME_SAMPLES, RATE_HZ
-from edgevox.voice.stop import network as stop_network
+from edgevox.voice.stop import network
 from edgevox.voice.stop import spotter as stop_spotter
 from edgevox.voice.stop.network import (
     BANDS,
@@ -44,7 +44,7 @@ HALT = np.array([0.04, 0.01, 0.94, 0.01], np.float32)
 MAYBE = np.array([0.4, 0.1, 0.4, 0.1], np.float32)
 LIKELY = np.array([0.1, 0.0, 0.9, 0.0], np.float32)
 HARDLY = np.array([0.7, 0.0, 0.3, 0.0], np.float32)
-WEIGHTS = Path(stop_network.__file__).with_name(WEIGHTS_FILE)
+WEIGHTS = Path(network.__file__).with_name(WEIGHTS_FILE)
 LOOK_S = LOOKS_EVERY * FRAME_SAMPLES / RATE_HZ
 
 
