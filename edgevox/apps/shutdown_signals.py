@@ -105,7 +105,7 @@ class ShutdownSignals:
         os._exit(STUCK)
 
     def _halt(self) -> None:
-        """Halt the body, when nothing else would end its motion. The body may hang, too."""
+        """Halt the body when nothing else would end its motion, even if the body hangs."""
         if self._drain:
             last = threading.Thread(target=self._drain.halt, name="edgevox-last-halt", daemon=True)
             last.start()

@@ -26,7 +26,7 @@ class CommandMux(Generic[M]):
     """Decides who moves the body; may be used from any thread.
 
     Args:
-        lock: The body's own, reentrant; it guards the motions, too.
+        lock: The body's own, reentrant; it also guards the motions.
         max_linear_m_s: The limit of streamed velocities, in m/s.
         max_angular_rad_s: The limit of streamed velocities, in rad/s.
         on_halt: Brakes the body. Each halt calls it, under the lock, with the motion that the halt

@@ -35,7 +35,7 @@ class ExecutorCounts:
 class ExecutorComponent:
     """Status of the executor: a callback that holds up the others is a warning, later an error.
 
-    A failed callback is a warning, too. `missing` is the reason why the node is not on ROS 2; empty
+    A failed callback is also a warning. `missing` is the reason why the node is not on ROS 2; empty
     if it is.
     """
 

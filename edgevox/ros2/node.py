@@ -53,7 +53,7 @@ PROFILE = Path(__file__).with_name("fast_dds.xml")
 READ_BY_FAST_DDS = "FASTRTPS_DEFAULT_PROFILES_FILE"
 """The variable that the Fast DDS of ROS 2 Jazzy reads."""
 GIVEN = "FASTDDS_DEFAULT_PROFILES_FILE"
-"""The variable's name from Fast DDS 3 on, and in the reference: EdgeVox reads it, too."""
+"""The variable's name from Fast DDS 3 on, and in the reference: EdgeVox also reads it."""
 TRANSPORTS = "FASTDDS_BUILTIN_TRANSPORTS"
 _WITH_UDP = ("", "DEFAULT", "UDPv4")
 

@@ -14,7 +14,7 @@ WINDOW_S = 10.0
 NO_VOICE = 0.3
 """Below this probability of a voice a frame tells of the floor."""
 FLOOR_SHARE = 0.75
-"""Share of the quiet frames that lie below the floor: knocks and beeps are noise, too."""
+"""Share of the quiet frames that lie below the floor: knocks and beeps also count as noise."""
 LEAST_FRAMES = 8
 """Fewest frames without a voice that give a floor: where many people talk at once there are
 none."""

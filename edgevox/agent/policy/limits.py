@@ -2,7 +2,7 @@
 
 Where to and how far: what the arguments of a skill say of it, told by their names.
 
-So skills that nobody here knows are limited, too: `x` and `y` (and `z` for a hand) are a point,
+The same limits apply to the skills of packages: `x` and `y` (and `z` for a hand) are a point,
 `distance` is metres, `room`, `location`, `place` and `target` are places, as is every text that is
 the name of one. What stands within an argument counts as well, such as a list of points.
 
@@ -167,7 +167,7 @@ def _meant(_name: str) -> str | None:
 
 @dataclass(frozen=True, slots=True)
 class PolicyContext:
-    """Asked anew for each goal; metres, map frame.
+    """The robot's places and position, asked for at each goal; metres, map frame.
 
     `places` are points of the robot's map by name, `taught` those that it was told the names of.
     `place_at` says in which place of the map a point is, `here` is where the robot is, None while

@@ -7,7 +7,7 @@ time, and a name without an address by then is left out and reported.
 If each of two robots names the other, the wait is long enough once it exceeds the time in which a
 new name becomes known: then at least one of them finds the other, which is enough for both.
 
-The servers of ROS_DISCOVERY_SERVER are looked up, too; a server without an address leaves its place
+It also looks up the servers of ROS_DISCOVERY_SERVER; a server without an address leaves its place
 empty. Fast DDS takes none of the list if one name in it does not resolve: with one of two servers
 down a node would find no peer. A server's number is its place in the list, so a place stays.
 """

@@ -66,7 +66,7 @@ def probe_echo() -> Facts:
 def judge_echo(facts: Facts, situation: Situation) -> CheckVerdict:
     """Judge the canceller.
 
-    The gate in its place keeps the robot's voice out, and quiet people, too.
+    The gate, in its place, keeps out the robot's voice and also quiet people.
     """
     if situation.settings.text_mode or situation.settings.echo != "cancel":
         return skipped("no echo canceller is asked for")

@@ -46,7 +46,7 @@ class InputLines:
     those before the last stop among them, and all that wait from earlier, are forgotten, and
     `on_stop` gets the stop line and their number, on the reading thread.
 
-    Other sources may stop the robot, too. Each line has the interlock's mark from the time when
+    Other sources may also stop the robot. Each line has the interlock's mark from the time when
     there was last nothing to read, so a line that was written before such a stop has an older mark.
     """
 

@@ -107,7 +107,7 @@ class Joined:
         self._ledger.write_text(json.dumps(entry), encoding="utf-8")
 
     def finish(self) -> Path:
-        """All parts are there; the next one who joins this file starts anew."""
+        """All parts are there; the next join of this file starts from the beginning."""
         self._ledger.unlink(missing_ok=True)
         return self._path
 

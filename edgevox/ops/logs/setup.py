@@ -6,7 +6,7 @@ It is our own, because behind a `logging.handlers.QueueHandler` the listener's t
 a reader that has stopped: lines would pile up or vanish uncounted, the program's end would wait for
 that thread, and the last lines before a crash would still be in the queue.
 
-What nobody caught becomes a line, too: of threads, of the main thread, of finalisers.
+Uncaught errors become lines of the log: of threads, the main thread and finalisers.
 """
 
 import contextlib

@@ -120,7 +120,7 @@ BEND_RAD = 0.35
 _ROUNDS, _ROUNDS_WHEN_LOST = 6, 30
 _CLOSE_M, _CLOSE_RAD = 2e-5, 1e-4
 _LOST_M = 0.01
-"""A leg that is so far off bends anew: it was caught at the end of a joint's range."""
+"""A leg that is so far off starts again from bent: it was caught at the end of a joint's range."""
 _LEVEL = 0.05
 """Metres of a foot's place that weigh as much as a radian of its tilt: the place comes first."""
 _DAMPING = 1e-8

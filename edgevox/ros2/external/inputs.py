@@ -118,7 +118,7 @@ class MapInput:
     """The robot's map, from its topic; thread-safe.
 
     An invalid map is refused on arrival, and the last one stays. The cells of a valid one are
-    decoded only when they are read, since the thread that receives maps steers the robot, too.
+    decoded only when they are read, since the thread that receives maps also steers the robot.
 
     It subscribes twice: with transient local, to get the kept map of a publisher that offers it,
     and volatile, for a publisher that does not.

@@ -73,7 +73,7 @@ class LoggerLevels:
 
 
 def apply_log_levels(ros_args: Sequence[str]) -> None:
-    """Apply ROS 2's ``--log-level`` to EdgeVox's loggers, too. Raises nothing: rcl checks."""
+    """Apply ROS 2's ``--log-level`` also to EdgeVox's loggers. Raises nothing: rcl checks."""
     for name, level in _asked(ros_args):
         if level in LEVELS:
             _set_ours(name, LEVELS[level])

@@ -79,7 +79,7 @@ one word. It also asks whenever the network is sure, as when a person shouts "st
 again."""
 LEAST_ODDS = 0.14
 """The odds of the network (3 for 0.75), squared, times the likelihood of the second look: from
-here on a word counts. Squared, because Whisper finds words in voices that talk at once, too.
+here on a word counts. Squared, because Whisper also finds words in voices that talk at once.
 This number sets how many words are heard, and how many false stops there are: see
 training/spotter/README.md."""
 NOISY_DB, QUIET_DB, QUIET_TIMES = 15.0, 25.0, 30.0
