@@ -75,16 +75,13 @@ class StateFiles:
 
 def _is_regular(file: Path) -> bool:
     """True for a regular file or a link to one. Raises `OSError`, also for a missing file."""
+    found = os.lstat(file)  # asked once: another process may make the file at any moment
+    if not stat.S_ISLNK(found.st_mode):
+        return stat.S_ISREG(found.st_mode)
     try:
         return stat.S_ISREG(os.stat(file).st_mode)
-    except FileNotFoundError:
-        if os.path.lexists(file):  # a link to nothing
-            return False
-        raise
     except OSError:
-        if os.path.islink(file):  # a link to itself
-            return False
-        raise
+        return False  # a link to nothing, or to itself
 
 
 def _rename(file: Path) -> Path | None:

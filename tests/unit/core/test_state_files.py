@@ -279,3 +279,26 @@ def test_what_was_left_half_written_is_written_over_whatever_it_is(tmp_path):
 def test_a_file_as_large_as_may_be_is_read(tmp_path):
     (tmp_path / "thing").write_text("x" * LARGEST_TEXT_BYTES)
     assert StateFiles().read(tmp_path / "thing", len) == LARGEST_TEXT_BYTES
+
+
+def test_a_file_that_appears_while_it_is_looked_for_is_not_taken_for_a_damaged_one(
+    tmp_path, monkeypatch
+):
+    file = tmp_path / "state.json"
+
+    def look(how):
+        def looked(path, *args, **more):
+            try:
+                return how(path, *args, **more)
+            finally:
+                if path == file:
+                    file.write_text("whole", encoding="utf-8")
+
+        return looked
+
+    for name in ("stat", "lstat"):
+        monkeypatch.setattr(os, name, look(getattr(os, name)))
+    files = StateFiles()
+    assert files.read(file, str) in (None, "whole")
+    assert not files.fault
+    assert file.read_text(encoding="utf-8") == "whole"
