@@ -63,10 +63,19 @@ class Example:
 
 
 @contextlib.contextmanager
-def example(name: str, *packages: str, domain: int, cache: Path, file: Path | None = None):
+def example(
+    name: str,
+    *packages: str,
+    domain: int,
+    cache: Path,
+    first: tuple[str, str, str] | None = None,
+    file: Path | None = None,
+):
     """The example of this name, which is talked to in English; it needs these packages.
 
-    `file` is the robot file where it is no example of ours.
+    `first` is an order, what it says when it begins and when it is done: once it is done the agent
+    has found the robot, which takes a while beside others. `file` is the robot file where it is no
+    example of ours.
     """
     prefixes = build_overlay(packages, cache)
     with pytest.MonkeyPatch.context() as patch, contextlib.ExitStack() as running:
@@ -81,4 +90,7 @@ def example(name: str, *packages: str, domain: int, cache: Path, file: Path | No
         one = Example(name, domain)
         running.callback(one.close)
         agent.wait_for_line(READY)
+        if first:
+            order, begins, done = first
+            one.talk.ask_until(order, done, after=begins)
         yield one

@@ -100,16 +100,18 @@ class Talk:
         for part in parts:
             since = self._number_of(part, since) + 1
 
-    def answer(self, text: str) -> str:
-        """The first answer to this."""
+    def answer(self, text: str, *, after: str = "") -> str:
+        """The first answer to this but for `after`, which a skill says when it begins."""
         since = len(self._heard.messages)
-        self.say(text, "")
-        return self._heard.messages[since]
+        self._peer.send("text_input", text)
+        self._heard.wait_for(lambda one: not after or after not in one, since=since)
+        told = self._heard.messages[since:]
+        return next(one for one in told if not after or after not in one)
 
-    def ask_until(self, text: str, part: str) -> None:
+    def ask_until(self, text: str, part: str, *, after: str = "") -> None:
         """Ask again and again until the answer has this: what was heard last stays true a while."""
 
-        wait_until(lambda: part in self.answer(text), part)
+        wait_until(lambda: part in self.answer(text, after=after), part)
 
     def speak(self, language: str) -> None:
         """Go on in another language."""

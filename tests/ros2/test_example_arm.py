@@ -23,7 +23,8 @@ def grips(position):
 
 @pytest.fixture(scope="module")
 def arm(domain, overlays):
-    with example("arm", "control_msgs", domain=domain, cache=overlays) as one:
+    first = ("move to ready", "Moving to ready.", "The arm is at ready.")
+    with example("arm", "control_msgs", domain=domain, cache=overlays, first=first) as one:
         yield one
 
 

@@ -14,7 +14,8 @@ DARK = {"red": 0, "green": 0, "blue": 0}
 @pytest.fixture(scope="module")
 def base(domain, overlays):
     packages = ("irobot_create_msgs", "nav2_msgs")
-    with example("base", *packages, domain=domain, cache=overlays) as one:
+    first = ("undock", "Leaving my dock.", "I am off my dock.")
+    with example("base", *packages, domain=domain, cache=overlays, first=first) as one:
         yield one
 
 

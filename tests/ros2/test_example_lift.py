@@ -21,7 +21,8 @@ def going(floor):
 
 @pytest.fixture(scope="module")
 def lift(domain, overlays):
-    with example("lift", "rmf_lift_msgs", domain=domain, cache=overlays) as one:
+    first = ("go to floor 3", "Going to floor 3.", "Floor 3. The door is open.")
+    with example("lift", "rmf_lift_msgs", domain=domain, cache=overlays, first=first) as one:
         yield one
 
 

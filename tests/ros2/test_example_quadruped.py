@@ -15,7 +15,8 @@ def asks(number, parameter=""):
 
 @pytest.fixture(scope="module")
 def dog(domain, overlays):
-    with example("quadruped", "unitree_api", domain=domain, cache=overlays) as one:
+    first = ("sit down", "", "I am sitting.")
+    with example("quadruped", "unitree_api", domain=domain, cache=overlays, first=first) as one:
         yield one
 
 
