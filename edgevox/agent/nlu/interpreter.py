@@ -16,7 +16,7 @@ from edgevox.agent.nlu.decider import Decider, Decision, Readings
 from edgevox.agent.nlu.hearing.hypotheses import is_contested, likeliest
 from edgevox.agent.nlu.hearing.near import NearCommands
 from edgevox.agent.nlu.hearing.sounds import Phonemes
-from edgevox.agent.nlu.meaning import ASK_FROM, Meaning
+from edgevox.agent.nlu.meaning import ASK_FROM, HEARD_FROM, Meaning
 from edgevox.agent.nlu.order_reader import ProgramReader, Unclear
 from edgevox.agent.nlu.orders import Program
 from edgevox.agent.nlu.remainder import may_ask_whether
@@ -28,6 +28,7 @@ from edgevox.agent.turn import Turn
 from edgevox.core.agent_events import HandedOver
 from edgevox.core.bus import Bus
 from edgevox.core.clock import Clock
+from edgevox.core.commands import Hypothesis
 from edgevox.core.events import Outcome
 from edgevox.core.log import get_logger
 from edgevox.core.ways import Way
@@ -175,17 +176,20 @@ class Interpreter:
         return found
 
     def _sounds_like(self, text: str, turn: Turn) -> Meaning | None:
-        """The command that meaningless spoken words sound like, never sure.
+        """The command that meaningless spoken words sound like.
 
         None for typed words, and for words that deny, tell or put off something.
         """
         if turn.way is not Way.VOICE or self._is_held_back(text):
             return None
+        share = max(0.0, 1.0 - sum(one.share for one in turn.others))
+        several = [Hypothesis(text, share, turn.hearing), *turn.others]
         for agent in self._active_first():
-            near = self._near[agent.name].nearest(text) if agent.name in self._near else None
-            if near:
+            near = self._near[agent.name].nearest(several) if agent.name in self._near else None
+            if near and not self._is_held_back(near.heard.text):
                 self._hand_over(agent, turn)
-                return Meaning(agent, (near.call,), "reading", ASK_FROM)
+                sure = near.sure and near.heard.confidence >= HEARD_FROM
+                return Meaning(agent, (near.call,), "reading", 1.0 if sure else ASK_FROM)
         return None
 
     def _is_held_back(self, text: str) -> bool:

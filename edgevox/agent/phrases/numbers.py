@@ -21,6 +21,7 @@ _IN_METRES = re.compile(rf"({NUMBER})\s*(mm|km)(?!\w)", re.IGNORECASE)
 _MINUS = re.compile(r"(?<![\w.])(?:\u2212\s?|\u2013)(?=\.?\d)")
 _BARE_POINT = re.compile(r"(?<![\w.,])(-?)\.(?=\d)")
 _AXIS_POINT = re.compile(r"(?<![^\W\d_])([xyz])\.(?=\d)", re.IGNORECASE)
+_HYPHEN = re.compile(r"(?<=\d)[-\u2011](?=[^\W\d_])")
 _FRACTION = re.compile(r"(?<![\w.,/:])(?:(\d+) )?(\d)[/\u2044]([2-9]|10)(?![\d/:]|[.,]\d)")
 _PART = r"-?\d+(?:\.\d+)?"
 _EXACT = re.compile(
@@ -78,11 +79,11 @@ def _unmarked(run: str) -> str:
 
 
 def _written_out(text: str) -> str:
-    """The one spelling of a number in digits: "\u2212.5" is "-0.5", and "1/2" is "0.5"."""
+    """The one spelling of a number: "\u2212.5" is "-0.5", "1/2" "0.5", "2-metre" "2 metre"."""
     if not any(map(str.isdigit, text)):
         return text
     text = _BARE_POINT.sub(r"\g<1>0.", _MINUS.sub("-", text))
-    text = _AXIS_POINT.sub(r"\1 0.", text)
+    text = _HYPHEN.sub(" ", _AXIS_POINT.sub(r"\1 0.", text))
     return _FRACTION.sub(
         lambda found: f"{int(found[1] or 0) + int(found[2]) / int(found[3]):.6g}", text
     )

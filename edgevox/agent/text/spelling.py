@@ -29,7 +29,7 @@ _SHORTEST_STEM = 4
 _UMLAUT = re.compile("([aou])e")
 _APOSTROPHE = re.compile(r"(?<=\w)' ?(?=\w)")
 _LONG_HYPHEN = "\N{NON-BREAKING HYPHEN}"
-_HYPHEN = re.compile(rf"(?<=[^\W\d])[-{_LONG_HYPHEN}](?=[^\W\d])")
+_HYPHEN = re.compile(rf"(?<=\w)[-{_LONG_HYPHEN}](?=[^\W\d])")
 _PUNCTUATION = re.compile(
     r"[(){}\[\]<>|,;:=?!\"\u00a1\u00bf\u00ab\u00bb\u201c-\u201f\u2026\u060c\u061b\u061f\u0964"
     r"\u3001\u3002\u300c-\u300f\u30fb]+|\.(?!\d)"

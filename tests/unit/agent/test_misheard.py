@@ -1,16 +1,23 @@
 """What words sound like and nearly are; `tests/talk/misheard.yaml` has what comes of them."""
 
+import itertools
+import math
+
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from support.body import FakeBody
 from support.conversation import LETTERS
 
 from edgevox.agent.agents import Agent
 from edgevox.agent.nlu.hearing.hypotheses import is_contested
 from edgevox.agent.nlu.hearing.near import NearCommands, NearStop
+from edgevox.agent.nlu.hearing.network import Network, Sentences
 from edgevox.agent.nlu.hearing.prompt import MOST_CHARACTERS, HearingPrompts
-from edgevox.agent.nlu.hearing.sounds import SoundTable, sounds_of
+from edgevox.agent.nlu.hearing.sounds import SpanTable, sounds_of
 from edgevox.agent.nlu.hearing.wordings import wordings
 from edgevox.agent.nlu.meaning import Meaning
+from edgevox.agent.nlu.templates import Recogniser, Understood
 from edgevox.agent.phrases.load import phrasebook
 from edgevox.agent.skills import Call
 from edgevox.core.commands import Hypothesis
@@ -35,44 +42,172 @@ def test_what_is_left_out_and_what_it_is_then_contest_nothing():
     assert is_contested(far, [instead], lambda _: same)
 
 
-def test_a_number_that_was_heard_is_never_lost_by_a_repair():
-    near = NearCommands(skills(), phrasebook("en"), LETTERS)
+def heard(text, share=1.0):
+    return Hypothesis(text, share, 1.0)
 
-    assert near.nearest("go to the kitchin 5") is None
-    assert near.nearest("go to the kitchin").call.arguments == {"room": "kitchen"}
+
+def near_commands(some):
+    return NearCommands(some, phrasebook("en"), LETTERS)
+
+
+def test_a_number_that_was_heard_is_never_lost_by_a_repair():
+    near = near_commands(skills())
+
+    assert near.nearest([heard("go to the kitchin 5")]) is None
+    assert near.nearest([heard("go to the kitchin")]).call.arguments == {"room": "kitchen"}
+
+
+def test_a_number_of_a_name_is_the_one_that_was_heard():
+    near = near_commands(skills(rooms=("bay two", "bay three")))
+
+    assert near.nearest([heard("go to tha bay two")]).call.arguments == {"room": "bay two"}
+    assert near.nearest([heard("go to tha bay ten")]) is None
 
 
 def test_of_two_commands_that_are_as_near_neither_is_meant():
-    near = NearCommands(skills(rooms=("bad", "bed")), phrasebook("en"), LETTERS)
+    near = near_commands(skills(rooms=("bad", "bed")))
 
-    assert near.nearest("go to the bid") is None
+    assert near.nearest([heard("go to the bid")]) is None
+
+
+def test_a_command_is_sure_only_if_most_hypotheses_sound_like_it():
+    near = near_commands(skills())
+    likely, unlikely = heard("go to the kitchin", 0.7), heard("go to the kitchin", 0.3)
+
+    assert near.nearest([likely, heard("gone with the wind", 0.3)]).sure
+    assert not near.nearest([heard("gone with the wind", 0.7), unlikely]).sure
+    assert near.nearest([heard("gone with the wind", 0.9), heard("go to the kitchin", 0.1)]) is None
+
+
+def test_only_a_name_is_never_sure():
+    near = near_commands(skills())
+
+    assert near.nearest([heard("go to the kitchen pleas")]).sure
+    assert not near.nearest([heard("kitchen pleas")]).sure
+
+
+def test_the_likelier_hypothesis_decides_between_commands_that_sound_alike():
+    near = near_commands(skills(rooms=("bad", "bed")))
+
+    found = near.nearest([heard("gou to the bed", 0.8), heard("gou to the bad", 0.2)])
+
+    assert found.call.arguments == {"room": "bed"}
 
 
 def test_a_place_that_is_learned_is_heard_from_then_on():
     body = FakeBody(rooms=())
-    near = NearCommands(body.skills("navigate_to"), phrasebook("en"), LETTERS)
-    assert near.nearest("go to the librari") is None
+    near = near_commands(body.skills("navigate_to"))
+    assert near.nearest([heard("go to the librari")]) is None
 
     body.learned = ("library",)
 
-    assert near.nearest("go to the librari").call.arguments == {"room": "library"}
+    assert near.nearest([heard("go to the librari")]).call.arguments == {"room": "library"}
+
+
+def letters(text):
+    return sounds_of(LETTERS(text.replace(" ", ""), "en"))
+
+
+ORDERS = Sentences(
+    "order",
+    ("(make|brew) [a] [{size}] {drink} [<extra>]", "a {drink} of {weight} kilograms"),
+    {"size": ("small", "large"), "drink": ("latte", "iced latte", "mocha")},
+)
+RULES = {"extra": "with (milk;[and ]sugar)"}
+
+
+def test_the_nearest_sentences_come_first_each_meaning_once():
+    network = Network([ORDERS], RULES, letters)
+
+    found = network.nearest("brew a smal moka", 0.3, 1.0)
+
+    assert found[0].words == "brew a small mocha"
+    assert found[0].values == {("size", "small"), ("drink", "mocha")}
+    assert [one.distance for one in found] == sorted(one.distance for one in found)
+    assert len({one.meaning for one in found}) == len(found) > 3
+
+
+def test_a_template_with_a_slot_that_has_no_words_has_no_sentence():
+    network = Network([ORDERS], RULES, letters)
+
+    assert not network.nearest("a latte of 3 kilograms", 0.3, 0.1)
+
+
+@pytest.mark.parametrize("text", ["", "!", "the moon is made of green cheese"])
+def test_what_sounds_like_no_sentence_has_no_path(text):
+    assert Network([ORDERS], RULES, letters).nearest(text, 0.3, 0.1) == []
+
+
+def test_a_network_of_nothing_has_no_path():
+    assert Network([], {}, letters).nearest("brew a mocha", 1.0, 1.0) == []
+
+
+def edits(heard, phrase, weight, change):
+    """The textbook's edit distance, to hold the table against."""
+    row = list(itertools.accumulate((weight(one) for one in phrase), initial=0.0))
+    for sound in heard:
+        new = [row[0] + weight(sound)]
+        for at, one in enumerate(phrase):
+            new.append(
+                min(
+                    row[at + 1] + weight(sound), new[at] + weight(one), row[at] + change(sound, one)
+                )
+            )
+        row = new
+    return row[-1]
+
+
+@given(st.text("ptkaeisʃ", max_size=9), st.lists(st.text("ptkaeisʃ", max_size=6), min_size=1))
+def test_the_cost_of_a_phrase_for_a_piece_is_its_edit_distance(said, phrases):
+    sounds = [sounds_of(one) for one in phrases]
+    whole = sounds_of(said)
+    table = SpanTable(sounds)
+    alone = SpanTable([])
+
+    spans = table.spans(whole)
+
+    def change(one, other):
+        return float(SpanTable([(other,)]).spans((one,))[0, 0, 1])
+
+    for row, phrase in enumerate(sounds):
+        for begin in range(len(whole) + 1):
+            for end in range(begin, len(whole) + 1):
+                if math.isfinite(spans[row, begin, end]):
+                    cost = edits(whole[begin:end], phrase, lambda one: alone.weight((one,)), change)
+                    assert spans[row, begin, end] == pytest.approx(cost, abs=1e-4)
+        assert all(
+            spans[row, at, at] == pytest.approx(alone.weight(phrase))
+            for at in range(len(whole) + 1)
+        )
 
 
 def test_sounds_are_compared_by_how_alike_they_are():
-    table = SoundTable([sounds_of(one) for one in ("stɑp", "hɔlt", "")])
+    table = SpanTable([sounds_of(one) for one in ("stɑp", "hɔlt", "")])
 
-    same, other, nothing = table.distances(sounds_of("stɑp"), 1.0)
-    nearly, _, _ = table.distances(sounds_of("ztɑb"), 1.0)
+    same, other, nothing = table.distances(sounds_of("stɑp"))
+    nearly, _, _ = table.distances(sounds_of("ztɑb"))
 
     assert same == 0.0
     assert 0.0 < nearly < 0.4 < other
-    assert nothing == 1.0
+    assert nothing == pytest.approx(1.0)
 
 
-def test_what_is_longer_or_shorter_by_more_than_may_be_is_infinitely_far():
-    table = SoundTable([sounds_of("stɑp")])
+def test_what_is_much_longer_is_infinitely_far():
+    table = SpanTable([sounds_of("stɑp")])
 
-    assert table.distances(sounds_of("stɑpstɑpstɑp"), 0.3)[0] == float("inf")
+    assert table.distances(sounds_of("stɑp" * 4))[0] == float("inf")
+
+
+@pytest.mark.parametrize("code", [code for code in LANGUAGES if phrasebook(code).hearing.spaced])
+def test_every_sentence_of_the_network_is_a_command(code):
+    book, some = phrasebook(code), skills()
+    near = NearCommands(some, book, LETTERS)
+    recogniser = Recogniser(some, code)
+    for wording in (one for skill in some.values() for one in [*wordings(skill, book)][::9]):
+        found = near.nearest([heard(wording.sentence)])
+        assert found is None or found.call.skill == wording.call.skill
+        if found and not wording.alone:
+            assert isinstance(recogniser.recognise(wording.sentence), Understood)
 
 
 def test_hearing_is_shown_the_names_that_there_are_now():

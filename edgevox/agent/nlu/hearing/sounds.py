@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 Phonemes = Callable[[str, str], str]
 """Returns the phonemes of a text in a language, in letters of the IPA."""
 Costs = NDArray[np.float32]
+Sounds = tuple[int, ...]
 
 # ruff: noqa: RUF001 - letters of the IPA
 _KINDS = (
@@ -65,46 +66,73 @@ def sounds_of(phonemes: str) -> tuple[int, ...]:
     return tuple(_IDS[letter] for letter in phonemes if letter in _IDS)
 
 
-class SoundTable:
-    """A table of phrases by their sounds, to compare with heard words."""
+_BUCKETS = (4, 8, 16)
+"""Lengths up to which phrases are compared together: each then takes the time of the longest."""
 
-    def __init__(self, phrases: Sequence[tuple[int, ...]]) -> None:
-        longest = max(map(len, phrases), default=0)
-        self._sounds = np.full((len(phrases), longest), _NO_SOUND, np.intp)
-        for row, phrase in enumerate(phrases):
-            self._sounds[row, : len(phrase)] = phrase
-        self._ends = np.array([len(phrase) for phrase in phrases], np.intp)
-        self._sums = np.zeros((len(phrases), longest + 1), np.float32)
-        np.cumsum(_WEIGHTS[self._sounds], axis=1, out=self._sums[:, 1:])
 
-    def distances(self, heard: tuple[int, ...], most: float) -> Costs:
-        """Distance of each phrase: the share of its sounds that differ, 0 for the same sounds.
+class SpanTable:
+    """A table of phrases by their sounds, to compare with each piece of what was heard."""
 
-        A phrase that is farther than `most` by its length alone is infinitely far.
+    def __init__(self, phrases: Sequence[Sounds]) -> None:
+        self._number = len(phrases)
+        self._weights = np.array([self.weight(one) for one in phrases], np.float32)
+        lengths = np.array([len(one) for one in phrases], np.intp)
+        bucket = np.digitize(lengths, _BUCKETS, right=True)
+        self._buckets = [
+            (rows, [phrases[row] for row in rows.tolist()])
+            for number in range(len(_BUCKETS) + 1)
+            if (rows := np.flatnonzero(bucket == number)).size
+        ]
+
+    @staticmethod
+    def weight(sounds: Sounds) -> float:
+        """The cost of leaving all these sounds out."""
+        return float(_WEIGHTS[list(sounds)].sum())
+
+    def distances(self, heard: Sounds) -> Costs:
+        """Distance of each phrase from all that was heard: the share of the sounds that differ.
+
+        0 for the same sounds; infinite if one is much longer than the other.
         """
-        whole = self._sums[:, -1] if self._sums.shape[1] else np.zeros(0, np.float32)
-        total = float(_WEIGHTS[list(heard)].sum())
-        size = np.maximum(np.maximum(whole, total), 1e-6)
-        found = np.full(len(self._ends), np.inf, np.float32)
-        near = np.flatnonzero(np.abs(whole - total) / size <= most)
-        if near.size and heard:
-            width = int(self._ends[near].max())
-            costs = self._edits(heard, self._sounds[near, :width], self._sums[near, : width + 1])
-            found[near] = costs[np.arange(near.size), self._ends[near]] / size[near]
+        weights = np.maximum(self._weights, max(self.weight(heard), 1e-6))
+        return np.asarray(self.spans(heard)[:, 0, -1] / weights)
+
+    def spans(self, heard: Sounds) -> Costs:
+        """Cost of each phrase for the sounds from one position to another: (phrases, n+1, n+1).
+
+        Infinite for pieces that are much longer than the phrase, and that end before they begin.
+        """
+        size = len(heard)
+        found = np.full((self._number, size + 1, size + 1), np.inf, np.float32)
+        changes = _SUBSTITUTIONS[list(heard)]
+        lost = _WEIGHTS[list(heard)]
+        for rows, phrases in self._buckets:
+            self._fill(found, rows, phrases, changes, lost)
         return found
 
     @staticmethod
-    def _edits(heard: tuple[int, ...], sounds: NDArray[np.intp], sums: Costs) -> Costs:
-        """Costs of the cheapest edits from the heard sounds to the beginnings of each phrase.
-
-        Works row by row through the usual table; insertions are a running minimum over a row.
-        """
-        row = sums.copy()
-        for one in heard:
-            changed = row[:, :-1] + _SUBSTITUTIONS[one][sounds]
-            row += _WEIGHTS[one]
-            np.minimum(row[:, 1:], changed, out=row[:, 1:])
-            row -= sums
-            np.minimum.accumulate(row, axis=1, out=row)
-            row += sums
-        return row
+    def _fill(
+        found: Costs, rows: NDArray[np.intp], phrases: Sequence[Sounds], changes: Costs, lost: Costs
+    ) -> None:
+        size, longest = len(lost), max(map(len, phrases))
+        sounds = np.full((len(phrases), longest), _NO_SOUND, np.intp)
+        for row, phrase in enumerate(phrases):
+            sounds[row, : len(phrase)] = phrase
+        ends = np.array([len(phrase) for phrase in phrases], np.intp)
+        sums = np.zeros((len(phrases), longest + 1), np.float32)
+        np.cumsum(_WEIGHTS[sounds], axis=1, out=sums[:, 1:])
+        every = np.arange(len(phrases))
+        costs = np.repeat(sums[None], size + 1, axis=0)  # (starts, phrases, sounds)
+        substitutions = changes[:, sounds]
+        for taken in range(min(size, longest + longest // 2 + 2) + 1):
+            starts = np.arange(size + 1 - taken)
+            if taken:
+                costs = costs[: starts.size]
+                at = starts + taken - 1
+                changed = costs[:, :, :-1] + substitutions[at]
+                costs = costs + lost[at][:, None, None]
+                np.minimum(costs[:, :, 1:], changed, out=costs[:, :, 1:])
+                costs -= sums
+                np.minimum.accumulate(costs, axis=2, out=costs)
+                costs += sums
+            found[rows[:, None], starts[None], starts[None] + taken] = costs[:, every, ends].T
