@@ -20,6 +20,7 @@ from edgevox.agent.phrases.load import ENGLISH
 from edgevox.agent.phrases.numbers import digits, is_exact
 from edgevox.agent.phrases.own_names import phrasebook_of
 from edgevox.agent.skills import Call, SkillSet
+from edgevox.agent.text.spelling import key
 
 _QUESTION_MARKS = "?\N{FULLWIDTH QUESTION MARK}\N{ARABIC QUESTION MARK}"
 _MOST_DOUBTS = 4
@@ -234,6 +235,10 @@ class Judged:
     """True if the words of the skills alone do not say that the skills are wanted."""
 
 
+_OBJECTIONS = ("denied", "reports", "opens_as_question", "asks", "plans", "addressed")
+"""Evidence that a sentence is no order to the robot, or not for now."""
+
+
 class Readings:
     """Reads and judges sentences for one set of skills, in one language and in English."""
 
@@ -270,6 +275,30 @@ class Readings:
                     unsupported=is_unsupported(reading, facts, lexicon),
                 )
         return None
+
+    def objections(self, text: str) -> frozenset[str]:
+        """What speaks against doing what these words name; empty if nothing does.
+
+        That is evidence by its name, and words that deny, tell or put off something. Numbers,
+        articles and marks do not count: this is to compare what was heard with a sentence.
+        """
+        articles = phrasebook_of(self._language, self._skills.values()).hearing.articles
+        text = " ".join(one for one in key(text).split() if one not in articles)
+        judged = self.of(text)
+        facts = judged.evidence if judged else {}
+        found = {name for name in _OBJECTIONS if facts.get(name)}
+        for lexicon, _ in self._readers:
+            words, answers = lexicon.function_words, lexicon.book.answers
+            against = (
+                *words.negations, *words.corrections, *words.reports, *words.conditions,
+                *words.reversals, *words.plans, *answers.no, *answers.not_,
+            )  # fmt: skip
+            tokens = _tokens(text, lexicon)
+            found |= {" ".join(one) for _, one in lexicon.as_written(against).find(tokens)}
+        plain = digits(text, self._language).split()
+        if self.hold_back(" ".join(one for one in plain if not one.isdigit())):
+            found.add("changed")
+        return frozenset(found)
 
     def hold_back(self, text: str) -> bool:
         """True if these words hold something that changes or denies an order."""

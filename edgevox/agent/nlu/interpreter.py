@@ -99,8 +99,7 @@ class Interpreter:
         """The meaning of an utterance; None if `turn` has answered it in words."""
         plain = self.plain(text)
         if isinstance(plain, Meaning) and not _goes_back_from_there(plain):
-            self._hand_over(plain.agent, turn)
-            return plain
+            return self._taken(plain, turn)
         program, sure = self._programs.understand(text, self._plain_calls, self._free_calls)
         if isinstance(program, Program):
             how = ("template", 1.0) if sure else ("reading", ASK_FROM)
@@ -108,14 +107,17 @@ class Interpreter:
         if isinstance(plain, Meaning):
             self._say_unclear(turn)
             return None
-        meaning = self._read(text, turn)
-        if meaning and not (program and _drives(meaning)):
-            return meaning
+        near = None if program else self._sounds_like(text, turn)
+        if near and near.sure:
+            return self._taken(near, turn)
+        meaning = self._read(text)
+        if meaning and (meaning.sure or not near) and not (program and _drives(meaning)):
+            return self._taken(meaning, turn)
         if meaning and isinstance(program, Unclear):  # not for now, so not done
             self._say_unclear(turn)
             return None
-        if meaning := self._said_instead(text, turn) or self._sounds_like(text, turn):
-            return meaning
+        if meaning := self._said_instead(text, turn) or near:
+            return self._taken(meaning, turn)
         refused = program if isinstance(program, RefusedCommand) else plain
         if refused:
             turn.say(refused.reason, Outcome.REFUSED, detail=refused.detail)
@@ -152,11 +154,10 @@ class Interpreter:
         decided = None if isinstance(found, Sequence) else self._decide(text)
         return decided[1].calls if decided and decided[1].sure else found
 
-    def _read(self, text: str, turn: Turn) -> Meaning | None:
+    def _read(self, text: str) -> Meaning | None:
         """The reading of the first agent that could be meant; None without a decider."""
         if decided := self._decide(text):
             agent, decision = decided
-            self._hand_over(agent, turn)
             asks = may_ask_whether(decision.calls, text, self._code)
             sure = min(decision.confidence, ASK_FROM) if asks else decision.confidence
             return Meaning(agent, decision.calls, "reading", sure)
@@ -170,25 +171,28 @@ class Interpreter:
     def _said_instead(self, text: str, turn: Turn) -> Meaning | None:
         """The plain command among the other hypotheses; None for words that deny or put off."""
         found = likeliest(turn.others, self.plain)
-        if found is None or self._is_held_back(text):
-            return None
-        self._hand_over(found.agent, turn)
-        return found
+        return None if found is None or self._is_held_back(text) else found
 
     def _sounds_like(self, text: str, turn: Turn) -> Meaning | None:
         """The command that meaningless spoken words sound like.
 
-        None for typed words, and for words that deny, tell or put off something.
+        None for typed words, and for words that deny, tell or put off something, where the command
+        does not.
         """
-        if turn.way is not Way.VOICE or self._is_held_back(text):
+        if turn.way is not Way.VOICE:
             return None
         share = max(0.0, 1.0 - sum(one.share for one in turn.others))
         several = [Hypothesis(text, share, turn.hearing), *turn.others]
         for agent in self._active_first():
             near = self._near[agent.name].nearest(several) if agent.name in self._near else None
-            if near and not self._is_held_back(near.heard.text):
-                self._hand_over(agent, turn)
-                sure = near.sure and near.heard.confidence >= HEARD_FROM
+            against = self._readings[agent.name].objections
+            if near is None or not (against(text) | against(near.heard.text)) <= against(
+                near.words
+            ):
+                continue
+            heard = near.heard.confidence >= HEARD_FROM
+            if near.clear or not heard:  # words that were heard well are what was said
+                sure = near.clear and heard and not near.alone
                 return Meaning(agent, (near.call,), "reading", 1.0 if sure else ASK_FROM)
         return None
 
@@ -292,6 +296,11 @@ class Interpreter:
         name = self.active.name
         self._protocols[name] = self._protocols[name].renewed()
         return self._protocols[name]
+
+    def _taken(self, meaning: Meaning, turn: Turn) -> Meaning:
+        """The meaning, after a hand-over to its agent."""
+        self._hand_over(meaning.agent, turn)
+        return meaning
 
     def _hand_over(self, agent: Agent, turn: Turn) -> None:
         if agent is self.active:

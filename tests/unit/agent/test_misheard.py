@@ -64,26 +64,26 @@ def test_a_number_of_a_name_is_the_one_that_was_heard():
     assert near.nearest([heard("go to tha bay ten")]) is None
 
 
-def test_of_two_commands_that_are_as_near_neither_is_meant():
+def test_of_two_commands_that_are_as_near_none_is_clear():
     near = near_commands(skills(rooms=("bad", "bed")))
 
-    assert near.nearest([heard("go to the bid")]) is None
+    assert not near.nearest([heard("go to the bid")]).clear
 
 
-def test_a_command_is_sure_only_if_most_hypotheses_sound_like_it():
+def test_a_command_is_clear_only_if_most_hypotheses_sound_like_it():
     near = near_commands(skills())
     likely, unlikely = heard("go to the kitchin", 0.7), heard("go to the kitchin", 0.3)
 
-    assert near.nearest([likely, heard("gone with the wind", 0.3)]).sure
-    assert not near.nearest([heard("gone with the wind", 0.7), unlikely]).sure
+    assert near.nearest([likely, heard("gone with the wind", 0.3)]).clear
+    assert not near.nearest([heard("gone with the wind", 0.7), unlikely]).clear
     assert near.nearest([heard("gone with the wind", 0.9), heard("go to the kitchin", 0.1)]) is None
 
 
-def test_only_a_name_is_never_sure():
+def test_only_a_name_says_not_what_to_do():
     near = near_commands(skills())
 
-    assert near.nearest([heard("go to the kitchen pleas")]).sure
-    assert not near.nearest([heard("kitchen pleas")]).sure
+    assert not near.nearest([heard("go to the kitchen pleas")]).alone
+    assert near.nearest([heard("kitchen pleas")]).alone
 
 
 def test_the_likelier_hypothesis_decides_between_commands_that_sound_alike():

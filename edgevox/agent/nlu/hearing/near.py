@@ -58,15 +58,15 @@ def _usual(code: str) -> list[str]:
     return [word for word in STOP_WORDS[code].anywhere if " " not in word][:_USUAL]
 
 
-NEAR, SURE = 0.35, 0.15
-"""Share of the sounds that may differ from a command, and from one that is meant for sure."""
+NEAR, CLEAR = 0.35, 0.15
+"""Share of the sounds that may differ from a command, and from one that is clear."""
 _LEAD = 0.02
-"""How much farther all other commands must be from the words than one that is meant for sure."""
-_LEAST_MASS, _SURE_MASS = 0.2, 0.7
-"""Share of the hypotheses that must sound most like a command, and like one that is meant for sure.
-These were chosen with real people's orders to a coffee machine, by the half of the speakers that
-`benchmarks/hearing/people.py` does not report: in a kitchen's and a gym's noise at 24, 12 and 6 dB
-no other order was done of 141 each, but one at 6 dB."""
+"""How much farther all other commands must be from the words than a clear one."""
+_LEAST_MASS, _CLEAR_MASS = 0.2, 0.7
+"""Share of the hypotheses that must sound most like a command, and like a clear one.
+All of these were chosen with real people's orders to a coffee machine, by the half of the speakers
+that `benchmarks/hearing/people.py` does not report: of 141 in quiet and in noise at 24, 12 and 6 dB
+no other order was done."""
 _UNLIKELY = 0.05
 """Distance that a hypothesis adds which is e times less likely than the first one."""
 _LEAST_SHARE = 1e-3
@@ -78,12 +78,16 @@ _MOST_CHARACTERS = 200
 class NearCommand:
     """A sentence that is a command and sounds like what was heard."""
 
+    words: str
+    """The sentence."""
     call: Call
-    """What the sentence asks for."""
+    """What it asks for."""
     heard: Hypothesis
     """What it sounds like."""
-    sure: bool
-    """True if nothing else sounds like it, and it says what to do."""
+    clear: bool
+    """True if it sounds much like it, and nothing else does."""
+    alone: bool
+    """True if it is only a name, without a word for what to do."""
 
 
 class NearCommands:
@@ -119,12 +123,13 @@ class NearCommands:
         others = (other - cost for other, path, _ in found if path.meaning != best.meaning)
         lead = min(others, default=_LEAD)
         mass = sum(one.share for one, paths in near if paths and paths[0].meaning == best.meaning)
-        if lead <= 0.0 or mass < _LEAST_MASS:
+        if mass < _LEAST_MASS:
             return None
-        sure = best.distance <= SURE and lead >= _LEAD and mass >= _SURE_MASS
+        clear = best.distance <= CLEAR and lead >= _LEAD and mass >= _CLEAR_MASS
         choices = self._skills[best.of.skill].choices
         values = {slot: self._book.heard(choices[slot])[said] for slot, said in best.values}
-        return NearCommand(Call(best.of.skill, values), heard, sure and not best.of.alone)
+        call = Call(best.of.skill, values)
+        return NearCommand(best.words, call, heard, clear, best.of.alone)
 
     def _sentences_like(self, text: str) -> list[Path]:
         if not 0 < len(text) <= _MOST_CHARACTERS:
