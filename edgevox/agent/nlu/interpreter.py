@@ -191,7 +191,8 @@ class Interpreter:
             ):
                 continue
             heard = near.heard.confidence >= HEARD_FROM
-            if near.clear or not heard:  # words that were heard well are what was said
+            # Words that were heard well are what was said, unless they are hardly more than a name.
+            if near.clear or not heard or (near.alone and not self._is_held_back(text)):
                 sure = near.clear and heard and not near.alone
                 return Meaning(agent, (near.call,), "reading", 1.0 if sure else ASK_FROM)
         return None
