@@ -7,11 +7,11 @@ with a line that says so.
 
 Half of the speakers are held out and reported; the others (`Half.TUNING`) are for choosing
 thresholds and weights. An order is mixed with noise as in the published figures: scaled by the
-loudest 128 ms of both. It
-takes the way that sound takes: voice activity, the end of an utterance, Whisper as the product sets
-it up, and the interpreter, for the robot file `barista.yaml`. "right" is the whole order, done
-without a question; "wrong" is another order, done without a question. A transcript is right if each
-slot's words are in it. Beside it stands the same Whisper model without the product's adapter.
+loudest 128 ms of both. It takes the way that sound takes: voice activity, the end of an utterance,
+Whisper as the product sets it up, and the interpreter, for the robot file `barista.yaml`. "right"
+is the whole order, done without a question; "wrong" is another order, done without a question. A
+transcript is right if each slot's words are in it. Beside it stands the same Whisper model without
+the product's adapter.
 """
 
 import argparse

@@ -2,6 +2,7 @@
 
 import contextlib
 import json
+from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
@@ -98,15 +99,13 @@ class Talk:
         since = len(self._heard.messages)
         yield
         for part in parts:
-            since = self._number_of(part, since) + 1
+            since = self._first(lambda one, part=part: part in one, since)[0] + 1
 
     def answer(self, text: str, *, after: str = "") -> str:
         """The first answer to this but for `after`, which a skill says when it begins."""
         since = len(self._heard.messages)
         self._peer.send("text_input", text)
-        self._heard.wait_for(lambda one: not after or after not in one, since=since)
-        told = self._heard.messages[since:]
-        return next(one for one in told if not after or after not in one)
+        return self._first(lambda one: not after or after not in one, since)[1]
 
     def ask_until(self, text: str, part: str, *, after: str = "") -> None:
         """Ask again and again until the answer has this: what was heard last stays true a while."""
@@ -118,10 +117,11 @@ class Talk:
         self._peer.send("set_language", language)
         wait_until(lambda: self._language() == language, f"language {language}")
 
-    def _number_of(self, part: str, since: int) -> int:
-        self._heard.wait_for(lambda one: part in one, since=since)
+    def _first(self, is_it: Callable[[str], bool], since: int) -> tuple[int, str]:
+        """The first such answer, and its number."""
+        self._heard.wait_for(is_it, since=since)
         told = self._heard.messages
-        return next(number for number in range(since, len(told)) if part in told[number])
+        return next((at, told[at]) for at in range(since, len(told)) if is_it(told[at]))
 
     def _language(self) -> str:
         service = self._peer.name("list_languages")

@@ -282,7 +282,8 @@ class Readings:
         That is evidence by its name, and words that deny, tell or put off something. Numbers,
         articles and marks do not count: this is to compare what was heard with a sentence.
         """
-        articles = phrasebook_of(self._language, self._skills.values()).hearing.articles
+        self._renew()
+        articles = self._readers[0][0].book.hearing.articles
         text = " ".join(one for one in key(text).split() if one not in articles)
         judged = self.of(text)
         facts = judged.evidence if judged else {}

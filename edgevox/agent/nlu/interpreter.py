@@ -5,7 +5,7 @@ answers in words, hands over to another agent, and fills in arguments that take 
 sentence is an order; then the robot asks first.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 from edgevox.agent.agents import Agent, by_name
 from edgevox.agent.llm.chat.calls import HANDOFF, Protocol
@@ -185,10 +185,7 @@ class Interpreter:
         several = [Hypothesis(text, share, turn.hearing), *turn.others]
         for agent in self._active_first():
             near = self._near[agent.name].nearest(several) if agent.name in self._near else None
-            against = self._readings[agent.name].objections
-            if near is None or not (against(text) | against(near.heard.text)) <= against(
-                near.words
-            ):
+            if near is None or self._objects(agent, {text, near.heard.text}, near.words):
                 continue
             heard = near.heard.confidence >= HEARD_FROM
             # Words that were heard well are what was said, unless they are hardly more than a name.
@@ -196,6 +193,11 @@ class Interpreter:
                 sure = near.clear and heard and not near.alone
                 return Meaning(agent, (near.call,), "reading", 1.0 if sure else ASK_FROM)
         return None
+
+    def _objects(self, agent: Agent, heard: Iterable[str], words: str) -> bool:
+        """True if something in what was heard speaks against these words, but not in themselves."""
+        against = self._readings[agent.name].objections
+        return not frozenset().union(*map(against, heard)) <= against(words)
 
     def _is_held_back(self, text: str) -> bool:
         """True if these words say that they are no order, or not for now."""

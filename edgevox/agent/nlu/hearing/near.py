@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 from edgevox.agent.nlu.hearing.network import Network, Path, Sentences
 from edgevox.agent.nlu.hearing.sounds import Phonemes, Sounds, SpanTable, sounds_of
+from edgevox.agent.nlu.hearing.wordings import bare_name
 from edgevox.agent.phrases.numbers import digits
 from edgevox.agent.phrases.phrasebook import Phrasebook
 from edgevox.agent.skills import STOP, Call, Skill, SkillSet
@@ -50,7 +51,7 @@ class NearStop:
         best = int(distances.argmin())
         return self._words[best] if distances[best] <= _NEAR else None
 
-    def _sounds(self, text: str) -> tuple[int, ...]:
+    def _sounds(self, text: str) -> Sounds:
         return sounds_of(self._phonemes(text, self._code))
 
 
@@ -159,11 +160,9 @@ class NearCommands:
         """What may be said for a skill, and the bare names of a drive that needs only a name."""
         names = {slot: tuple(self._book.heard(words)) for slot, words in one.choices.items()}
         yield Sentences(one.name, tuple(self._book.templates(one)), names)
-        fields = one.arguments_model.model_fields
-        needed = [name for name, info in fields.items() if info.is_required()]
-        if one.drives and len(needed) == 1 and needed[0] in names:
+        if needed := bare_name(one):
             polite = next(iter(self._book.answers.polite), "")
-            template = f"{{{needed[0]}}} [{polite}]" if polite else f"{{{needed[0]}}}"
+            template = f"{{{needed}}} [{polite}]" if polite else f"{{{needed}}}"
             yield Sentences(one.name, (template,), names, alone=True)
 
     def _sounds(self, text: str) -> Sounds:

@@ -24,10 +24,10 @@ from hassil.expression import (
 from hassil.parse_expression import parse_sentence
 
 from edgevox.agent.nlu.hearing.sounds import Costs, Sounds, SpanTable
+from edgevox.agent.nlu.hearing.wordings import parsed_rule
 
 _MOST_STEPS = 4000
 """The most steps of one search, against grammars with too many sentences that are as near."""
-_JOIN, _LIST = -1, -2
 
 _Values = tuple[tuple[str, str], ...]
 
@@ -65,9 +65,10 @@ class Path:
 
 class _Edge(NamedTuple):
     target: int
-    label: int = _JOIN
-    """The index of the words; `_JOIN` for none, `_LIST` for those of the slot."""
+    labels: tuple[int, ...] = ()
+    """The indices of words of which one is said; none for an edge without words."""
     slot: str = ""
+    """The slot whose words they are, if any."""
 
 
 class _Waiting(NamedTuple):
@@ -104,9 +105,7 @@ class Network:
         self._rules = rules
         self._edges: list[list[_Edge]] = []  # of each node, all to later nodes, -1 is the end
         self._labels: dict[str, int] = {}
-        self._lists: dict[tuple[Sentences, str], tuple[int, ...]] = {}
         self._starts: list[tuple[Sentences, int]] = []
-        self._owner: list[Sentences] = []
         for one in several:
             for template in one.templates:
                 self._add(one, template)
@@ -142,18 +141,14 @@ class Network:
 
     def _costs_ahead(self, spans: Costs) -> Costs:
         """Cost from each node and position to the end: (nodes + 1, positions)."""
-        lists = {slot: spans[list(labels)].min(axis=0) for slot, labels in self._lists.items()}
+        several = {edge.labels for edges in self._edges for edge in edges if edge.labels}
+        costs = {labels: spans[list(labels)].min(axis=0) for labels in several}
         ahead = np.full((len(self._edges) + 1, spans.shape[1]), np.inf, np.float32)
         ahead[-1, -1] = 0.0
         for node in reversed(range(len(self._edges))):
-            row = ahead[node]
-            for target, label, slot in self._edges[node]:
-                then = ahead[target]
-                if label != _JOIN:
-                    named = label == _LIST
-                    costs = lists[self._owner[node], slot] if named else spans[label]
-                    then = (costs + then).min(axis=1)
-                np.minimum(row, then, out=row)
+            for target, labels, _ in self._edges[node]:
+                then = (costs[labels] + ahead[target]).min(axis=1) if labels else ahead[target]
+                np.minimum(ahead[node], then, out=ahead[node])
         return ahead
 
     def _walk(self, spans: Costs, ahead: Costs, most: float) -> Iterator[_Waiting]:
@@ -181,12 +176,11 @@ class Network:
             if one.node == -1:
                 yield one
                 continue
-            for target, label, slot in self._edges[one.node]:
-                if label == _JOIN:
+            for target, labels, slot in self._edges[one.node]:
+                if not labels:
                     follow(one, target, one.at)
-                    continue
-                for said in self._lists[one.of, slot] if label == _LIST else (label,):
-                    values = ((slot, self._texts[said]),) if label == _LIST else ()
+                for said in labels:
+                    values = ((slot, self._texts[said]),) if slot else ()
                     costs = one.cost + spans[said, one.at]
                     for at in np.flatnonzero(costs + ahead[target] <= most):
                         follow(
@@ -196,7 +190,7 @@ class Network:
 
     def _add(self, one: Sentences, template: str) -> None:
         """Draw a template, unless it needs a slot that has no words."""
-        start = self._node(one)
+        start = self._node()
         last = self._draw(one, parse_sentence(template).expression, start)
         if last is not None:
             self._starts.append((one, start))
@@ -206,21 +200,19 @@ class Network:
         """Draw an expression from a node on; the node at its end, None if it cannot be said."""
         match expression:
             case TextChunk():
-                words = " ".join(expression.original_text.split())
-                return self._step(one, start, self._label(words)) if words else start
+                text = " ".join(expression.original_text.split())
+                return self._step(start, [text]) if text else start
             case ListReference(list_name=slot):
-                if not one.words.get(slot):
-                    return None
-                self._lists[one, slot] = tuple({self._label(word) for word in one.words[slot]})
-                return self._step(one, start, _LIST, slot)
+                words = one.words.get(slot)
+                return self._step(start, words, slot) if words else None
             case RuleReference(rule_name=name):
-                return self._draw(one, parse_sentence(self._rules[name]).expression, start)
+                return self._draw(one, parsed_rule(self._rules[name]), start)
             case Alternative(items=items, is_optional=optional):
                 ends = [self._draw(one, item, start) for item in items]
-                return self._joined(one, [*ends, start] if optional else ends)
+                return self._joined([*ends, start] if optional else ends)
             case Permutation(items=items):
                 rows = itertools.permutations(items)
-                return self._joined(one, [self._row(one, row, start) for row in rows])
+                return self._joined([self._row(one, row, start) for row in rows])
             case Group(items=items):
                 return self._row(one, items, start)
         raise TypeError(type(expression))
@@ -231,24 +223,21 @@ class Network:
             at = None if at is None else self._draw(one, item, at)
         return at
 
-    def _joined(self, one: Sentences, ends: Iterable[int | None]) -> int | None:
+    def _joined(self, ends: Iterable[int | None]) -> int | None:
         there = [end for end in dict.fromkeys(ends) if end is not None]
         if len(there) < 2:
             return there[0] if there else None
-        joint = self._node(one)
+        joint = self._node()
         for end in there:
             self._edges[end].append(_Edge(joint))
         return joint
 
-    def _step(self, one: Sentences, start: int, label: int, slot: str = "") -> int:
-        end = self._node(one)
-        self._edges[start].append(_Edge(end, label, slot))
+    def _step(self, start: int, texts: Iterable[str], slot: str = "") -> int:
+        end = self._node()
+        labels = {self._labels.setdefault(text, len(self._labels)) for text in texts}
+        self._edges[start].append(_Edge(end, tuple(labels), slot))
         return end
 
-    def _node(self, one: Sentences) -> int:
+    def _node(self) -> int:
         self._edges.append([])
-        self._owner.append(one)
         return len(self._edges) - 1
-
-    def _label(self, text: str) -> int:
-        return self._labels.setdefault(text, len(self._labels))

@@ -77,14 +77,20 @@ def _names(one: Skill, argument: str, book: Phrasebook) -> Mapping[str, str]:
 
 def _of_names(one: Skill, book: Phrasebook) -> Iterator[Wording]:
     """Wordings of bare names, for a drive that needs only the name."""
-    needed = [name for name, info in one.arguments_model.model_fields.items() if info.is_required()]
-    if not one.drives or len(needed) != 1 or needed[0] not in one.choices:
+    needed = bare_name(one)
+    if needed is None:
         return
     polite = next(iter(book.answers.polite), "")
-    for said, word in _names(one, needed[0], book).items():
+    for said, word in _names(one, needed, book).items():
         for form in _ALONE:
             sentence = form.format(name=said, polite=f", {polite}" if polite else "")
-            yield Wording(sentence, Call(one.name, {needed[0]: word}), alone=True)
+            yield Wording(sentence, Call(one.name, {needed: word}), alone=True)
+
+
+def bare_name(one: Skill) -> str | None:
+    """The argument whose name alone asks for a drive, because it needs no other; None if none."""
+    needed = [name for name, info in one.arguments_model.model_fields.items() if info.is_required()]
+    return needed[0] if one.drives and len(needed) == 1 and needed[0] in one.choices else None
 
 
 def _filled(
@@ -112,7 +118,7 @@ class _TemplateExpander:
         elif isinstance(expression, ListReference):
             yield _SLOT, (expression.list_name,)
         elif isinstance(expression, RuleReference):
-            yield from self.expanded(_rule(self._rules[expression.rule_name]))
+            yield from self.expanded(parsed_rule(self._rules[expression.rule_name]))
         elif isinstance(expression, Alternative) and expression.is_optional:
             yield "", ()
         elif isinstance(expression, Alternative):
@@ -136,7 +142,7 @@ class _TemplateExpander:
 
 
 @lru_cache(maxsize=512)
-def _rule(written: str) -> Expression:
+def parsed_rule(written: str) -> Expression:
     """A parsed rule of a phrasebook. Cached: most templates use the same few."""
     return parse_sentence(written).expression
 
