@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
 
-from edgevox.core.files.user_file import LARGEST_TEXT_BYTES
+from edgevox.core.files.user_file import LARGEST_TEXT_BYTES, size_bytes
 from edgevox.security.documents import LAST_DOMAIN
 
 CERTIFICATES = ("cert.pem", "identity_ca.cert.pem", "permissions_ca.cert.pem")
@@ -101,7 +101,7 @@ def certificate_period(pem: str) -> tuple[datetime, datetime]:
 
 def _unreadable(file: Path) -> str:
     if os.access(file, os.R_OK):  # a pipe would be waited for, a device may have no end
-        small = file.is_file() and file.stat().st_size <= LARGEST_TEXT_BYTES
+        small = file.is_file() and size_bytes(file) <= LARGEST_TEXT_BYTES
         return "" if small else f"{file.name} is no file of {LARGEST_TEXT_BYTES} bytes at most"
     refused = os.path.lexists(file) or not os.access(file.parent, os.X_OK)
     return f"{file.name} {f'cannot be read by user {os.getuid()}' if refused else 'is missing'}"

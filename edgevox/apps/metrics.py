@@ -10,6 +10,7 @@ from edgevox import __version__
 from edgevox.agent.skills import Skill
 from edgevox.apps.agent.parts import AgentParts
 from edgevox.core.bus import Bus
+from edgevox.core.files.user_file import size_bytes
 from edgevox.core.settings import Settings
 from edgevox.core.status import Components
 from edgevox.ops.diagnostics.process import count_threads
@@ -104,4 +105,4 @@ def _weights(parts: AgentParts) -> Mapping[str, float]:
 def _size_bytes(path: Path) -> int:
     """Return the size of a file or folder. Weights do not change while they are loaded."""
     files = path.rglob("*") if path.is_dir() else (path,)
-    return sum(file.stat().st_size for file in files if file.is_file())
+    return sum(map(size_bytes, files))

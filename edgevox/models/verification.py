@@ -2,6 +2,7 @@
 
 import hashlib
 import json
+import stat
 from contextlib import suppress
 from pathlib import Path
 
@@ -16,29 +17,33 @@ STAMPS = ".verified.json"
 
 def is_whole(folder: Path, file: ModelFile) -> bool:
     """Whether the file is there with the right bytes, by its stamp if it has a fresh one."""
-    path = folder / file.name
-    try:
-        seen = path.stat()
-    except OSError:
+    stamp = _stamp(folder / file.name, file)
+    if stamp is None:
         return False
-    if not path.is_file() or seen.st_size != file.size:
-        return False
-    if _read_stamps(folder).get(file.name) == _stamp(path, file):
+    if _read_stamps(folder).get(file.name) == stamp:
         return True
-    return has_right_bytes(path, file) and remember(folder, file)
+    return has_right_bytes(folder / file.name, file) and remember(folder, file)
 
 
 def has_right_bytes(path: Path, file: ModelFile) -> bool:
-    """Whether the whole file, read from disk, has the size and the hash of the manifest."""
-    if not path.is_file() or path.stat().st_size != file.size:
+    """Whether the whole file, read from disk, has the size and the hash of the manifest.
+
+    False where it cannot be read, since it may also vanish meanwhile.
+    """
+    if _stamp(path, file) is None:
         return False
-    with path.open("rb") as stream:
-        return hashlib.file_digest(stream, "sha256").hexdigest() == file.sha256
+    try:
+        with path.open("rb") as stream:
+            return hashlib.file_digest(stream, "sha256").hexdigest() == file.sha256
+    except OSError:
+        return False
 
 
 def remember(folder: Path, file: ModelFile) -> bool:
     """Stamp a file whose bytes are right; always True. A folder that is read-only has no stamps."""
-    stamps = _read_stamps(folder) | {file.name: _stamp(folder / file.name, file)}
+    if (stamp := _stamp(folder / file.name, file)) is None:  # replaced or removed meanwhile
+        return True
+    stamps = _read_stamps(folder) | {file.name: stamp}
     fresh = folder / f"{STAMPS}.new"
     try:
         fresh.write_text(json.dumps(stamps, indent=1), encoding="utf-8")
@@ -54,9 +59,16 @@ def forget(folder: Path) -> None:
         (folder / STAMPS).unlink(missing_ok=True)
 
 
-def _stamp(path: Path, file: ModelFile) -> str:
+def _stamp(path: Path, file: ModelFile) -> str | None:
+    """The stamp of a file as it is now; None if it is absent, no file, or of another size."""
+    try:
+        seen = path.stat()  # once: it may vanish between two questions
+    except OSError:
+        return None
+    if not stat.S_ISREG(seen.st_mode) or seen.st_size != file.size:
+        return None
     # Whole seconds: image layers and archives keep no finer times.
-    return f"{file.sha256} {file.size} {int(path.stat().st_mtime)}"
+    return f"{file.sha256} {file.size} {int(seen.st_mtime)}"
 
 
 def _read_stamps(folder: Path) -> dict[str, str]:

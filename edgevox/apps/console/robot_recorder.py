@@ -17,6 +17,7 @@ from typing import IO, Any
 
 from edgevox.apps.dds_security import ENABLE, ENCLAVE, KEYSTORE, OVERRIDE, ROS_KEYSTORE
 from edgevox.core.errors import EdgeVoxError
+from edgevox.core.files.user_file import size_bytes
 from edgevox.core.log import get_logger
 from edgevox.core.settings import Settings
 from edgevox.ros2.contract import RECORDER_NODE
@@ -73,7 +74,7 @@ class KeptRecordings:
     def begun_bytes(self) -> int:
         """Return the size of the current recording."""
         over = set(self.files())
-        return sum(_size(one) for one in self._found() if one not in over)
+        return sum(size_bytes(one) for one in self._found() if one not in over)
 
     def files(self) -> Sequence[Path]:
         """Return the complete recordings, the newest first."""
@@ -106,14 +107,7 @@ class KeptRecordings:
     def _room(self) -> int:
         near = next(one for one in (self.folder, *self.folder.parents) if one.exists())
         free = shutil.disk_usage(near).free - SPARE_MB * MB
-        return min(free, self._most_bytes - sum(_size(one) for one in self._found()))
-
-
-def _size(file: Path) -> int:
-    try:
-        return file.stat().st_size
-    except FileNotFoundError:
-        return 0
+        return min(free, self._most_bytes - sum(size_bytes(one) for one in self._found()))
 
 
 def _begun(file: Path) -> float | None:

@@ -10,6 +10,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from edgevox.apps.doctor.check import CheckVerdict, Facts, Situation, error, ok, warning
+from edgevox.core.files.user_file import size_bytes
 from edgevox.ops.diagnostics.disk import MIB
 
 GROUP = "239.255.0.1"
@@ -53,7 +54,7 @@ def probe_shared_memory(_: Situation) -> Facts:
         "size_mib": space.total // MIB,
         "free_mib": space.free // MIB,
         "stale": len(stale),
-        "stale_mib": sum(file.stat().st_size for file in stale if file.exists()) // MIB,
+        "stale_mib": sum(map(size_bytes, stale)) // MIB,
     }
 
 

@@ -54,5 +54,14 @@ def read_text(file: Path, field: str) -> str:
             raise InvalidValue(field, str(file), "a text in UTF-8") from None
 
 
+def size_bytes(file: Path) -> int:
+    """The size of a regular file; 0 if it is none, or was removed."""
+    try:
+        seen = file.stat()  # once: it may vanish between two questions
+    except OSError:
+        return 0
+    return seen.st_size if stat.S_ISREG(seen.st_mode) else 0
+
+
 def _too_large(file: Path, field: str, most_bytes: int) -> InvalidValue:
     return InvalidValue(field, str(file), f"at most {most_bytes} bytes")

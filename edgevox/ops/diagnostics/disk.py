@@ -33,11 +33,13 @@ class DiskSpace:
 
 def room(folder: Path) -> DiskSpace:
     """The file system that a folder is, or would be, in."""
-    while not folder.exists() and folder != folder.parent:
-        folder = folder.parent
-    seen = os.statvfs(folder)
+    try:
+        seen, device = os.statvfs(folder), folder.stat().st_dev
+    except (FileNotFoundError, NotADirectoryError):
+        if folder == folder.parent:
+            raise
+        return room(folder.parent)
     writable = os.access(folder, os.W_OK) and not seen.f_flag & os.ST_RDONLY
-    device = folder.stat().st_dev
     return DiskSpace(
         folder, device, seen.f_bavail * seen.f_frsize, seen.f_blocks * seen.f_frsize, writable
     )

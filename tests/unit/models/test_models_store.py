@@ -172,3 +172,38 @@ def test_all_licences_of_a_model_are_in_its_notice(tmp_path: Path) -> None:
     notice = (tmp_path / "robot" / "LICENCE.txt").read_text()
     assert "Permission is hereby granted" in notice
     assert "Apache License" in notice
+
+
+def test_a_file_that_vanishes_while_it_is_looked_at_counts_as_missing(
+    here: Store, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (voice_model,) = here.manifest.select(["voice"])
+    here.locate("voice")  # its stamps are fresh
+    look = Path.stat
+
+    def look_and_lose(path: Path, **options: bool) -> os.stat_result:
+        seen = look(path, **options)
+        if path.name == "voice.onnx":
+            path.unlink()
+        return seen
+
+    monkeypatch.setattr(Path, "stat", look_and_lose)
+    here.missing(voice_model)  # seen a moment ago: either answer is true
+
+    assert [file.name for file in here.missing(voice_model)] == ["voice.onnx"]
+
+
+def test_a_file_that_vanishes_before_it_is_hashed_counts_as_missing(
+    here: Store, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (voice_model,) = here.manifest.select(["voice"])
+    opened = Path.open
+
+    def lost(path: Path, *how: str, **options: str) -> object:
+        if path.name == "voice.onnx":
+            path.unlink(missing_ok=True)
+        return opened(path, *how, **options)  # type: ignore[call-overload]
+
+    monkeypatch.setattr(Path, "open", lost)
+
+    assert [file.name for file in here.missing(voice_model)] == ["voice.onnx"]
