@@ -91,6 +91,16 @@ class Robot:
         meaning = self._meaning(said)
         return meaning is not None and meaning.sure and self._drives(meaning)
 
+    def effect(self, said: Transcript) -> str:
+        """What becomes of these words, whatever they mean."""
+        meaning = self._meaning(said)
+        calls = [self._skills[call.skill] for call in meaning.every_call] if meaning else []
+        if any(one.drives for one in calls):
+            return "moves" if meaning and meaning.sure else "asks"
+        if any(one.lasting for one in calls):
+            return "changes something for good"
+        return Outcome.NOTHING.value
+
     @cached_property
     def _interpreter(self) -> Interpreter:
         agent = Agent("robot", "", self._skills)

@@ -13,6 +13,7 @@ from edgevox.agent.llm.chat.history import History, size_tokens
 from edgevox.agent.llm.language_model import ChatMessage, LanguageModel, ModelBusy, ModelFailed
 from edgevox.agent.nlu.abilities import not_understood
 from edgevox.agent.nlu.decider import Decider, Decision, Readings
+from edgevox.agent.nlu.disfluencies import fluent
 from edgevox.agent.nlu.hearing.hypotheses import is_contested, likeliest
 from edgevox.agent.nlu.hearing.near import NearCommands
 from edgevox.agent.nlu.hearing.sounds import Phonemes
@@ -97,6 +98,7 @@ class Interpreter:
 
     def understand(self, text: str, turn: Turn) -> Meaning | None:
         """The meaning of an utterance; None if `turn` has answered it in words."""
+        said, text = text, fluent(text, self._code)
         plain = self.plain(text)
         if isinstance(plain, Meaning) and not _goes_back_from_there(plain):
             return self._taken(plain, turn)
@@ -125,10 +127,11 @@ class Interpreter:
         if self._model is None:
             self._say_not_understood(turn)
             return None
-        return self._ask_model(self._model, text, turn)
+        return self._ask_model(self._model, said, turn)
 
     def plain(self, text: str) -> Meaning | RefusedCommand | None:
         """The meaning or the refusal that the templates alone find; says nothing."""
+        text = fluent(text, self._code)
         for agent in self._active_first():
             found = self._recognisers[agent.name].recognise(text)
             if isinstance(found, Understood):

@@ -13,7 +13,7 @@ from edgevox.agent.phrases.phrasebook import (
     SmallTalk,
 )
 from edgevox.agent.skills import Example, SkillPhrases
-from edgevox.agent.text.number_words import Numbers, Rewriting, number_words
+from edgevox.agent.text.number_words import Numbers, Rewriting, lengths, number_words
 from edgevox.agent.text.spelling import key
 from edgevox.agent.text.words import word_of
 from edgevox.core.files.text import one_form
@@ -34,12 +34,13 @@ def phrasebook(code: str) -> Phrasebook:
 
 
 def _book(code: str, data: Mapping[str, Any], fallback: Phrasebook | None) -> Phrasebook:
+    hearing = _hearing(data.get("hear", {}), spaced=LANGUAGES[code].spaced)
     return Phrasebook(
         code=code,
         name=LANGUAGES[code].name,
         sentences=data.get("say", {}),
-        hearing=_hearing(data.get("hear", {}), spaced=LANGUAGES[code].spaced),
-        numbers=_numbers(data.get("numbers", {})),
+        hearing=hearing,
+        numbers=_numbers(data.get("numbers", {}), hearing),
         rules=data.get("rules", {}),
         words={key(name): word_of(one) for name, one in data.get("words", {}).items()},
         unknown=word_of(data.get("unknown")),
@@ -73,6 +74,8 @@ def _hearing(data: Mapping[str, Any], *, spaced: bool) -> Hearing:
         places=tuple(data.get("places", ())),
         unfinished=tuple(map(key, data.get("unfinished", ()))),
         goes_on=tuple(data.get("goes_on", ())),
+        hesitations=tuple(data.get("hesitations", ())),
+        openers=tuple(data.get("openers", ())),
     )
 
 
@@ -80,14 +83,19 @@ def _answers(data: Mapping[str, Any]) -> AnswerWords:
     return AnswerWords(**{("not_" if n == "not" else n): tuple(w) for n, w in data.items()})
 
 
-def _numbers(data: Mapping[str, Any]) -> Numbers:
+def _numbers(data: Mapping[str, Any], hearing: Hearing) -> Numbers:
+    rows = data.get("lengths", ())
+    any_length = "|".join(pattern for pattern, _ in rows)
+    rules = [
+        (one.replace("{length}", f"(?:{any_length})"), to) for one, to in data.get("rules", ())
+    ]
     return Numbers(
         decimal_comma=data.get("decimal_comma", False),
-        rules=_rewritings(data.get("rules", ())),
+        rules=_rewritings(rules),
         words=number_words(data.get("words", {}), data.get("units", "")),
-        units=data.get("units", ""),
-        centimetres=data.get("centimetres", ""),
-        metres=data.get("metres", ""),
+        lengths=lengths(rows, data["metres"], hearing.pair, spaced=hearing.spaced)
+        if rows
+        else None,
         library=data.get("library", ""),
     )
 

@@ -7,8 +7,6 @@ from functools import lru_cache
 from text_to_num import alpha2digit
 
 from edgevox.agent.phrases.load import phrasebook
-from edgevox.agent.text.number_words import Numbers
-from edgevox.agent.text.spelling import NUMBER
 from edgevox.core.files.text import one_form
 
 _COMMA_BEFORE_UNIT = re.compile(
@@ -16,8 +14,6 @@ _COMMA_BEFORE_UNIT = re.compile(
     r"|\u30e1|\u092e\u0940|\u0645\u062a\u0631|degrees?|\u00b0|hours?|minutes?|seconds?)(?![a-z]))",
     re.IGNORECASE,
 )
-_OF_METRES = {"mm": 0.001, "km": 1000.0}
-_IN_METRES = re.compile(rf"({NUMBER})\s*(mm|km)(?!\w)", re.IGNORECASE)
 _MINUS = re.compile(r"(?<![\w.])(?:\u2212\s?|\u2013)(?=\.?\d)")
 _BARE_POINT = re.compile(r"(?<![\w.,])(-?)\.(?=\d)")
 _AXIS_POINT = re.compile(r"(?<![^\W\d_])([xyz])\.(?=\d)", re.IGNORECASE)
@@ -41,7 +37,7 @@ _DECIMAL_COMMA = re.compile(r"(?<![\d.,])(\d+),(\d+)(?![\d.,]*\d)")
 def digits(text: str, language: str = "en") -> str:
     """The text with its number words as digits: "minus two and a half" becomes "-2.5".
 
-    Fractions become decimals with a point, centimetres become metres, and an axis is separated from
+    Fractions become decimals with a point, all lengths become metres, and an axis is separated from
     its number ("x2.5", as Whisper writes coordinates). Cached, because several readers ask for the
     same sentence, and each reload of a language's words asks for the same words.
     """
@@ -55,7 +51,7 @@ def digits(text: str, language: str = "en") -> str:
     text = comma.sub(r"\1.\2", text)
     for pattern, replacement in known.rules:
         text = pattern.sub(replacement, text)
-    return _in_metres(text, known)
+    return known.lengths.as_metres(text) if known.lengths else text
 
 
 def is_exact(text: str, language: str = "en") -> bool:
@@ -86,21 +82,4 @@ def _written_out(text: str) -> str:
     text = _HYPHEN.sub(" ", _AXIS_POINT.sub(r"\1 0.", text))
     return _FRACTION.sub(
         lambda found: f"{int(found[1] or 0) + int(found[2]) / int(found[3]):.6g}", text
-    )
-
-
-def _in_metres(text: str, known: Numbers) -> str:
-    text = _IN_METRES.sub(
-        lambda found: f"{float(found[1]) * _OF_METRES[found[2].lower()]:g} {known.metres}", text
-    )
-    if not known.centimetres:
-        return text
-    pattern = rf"({NUMBER})\s*(?:{known.centimetres})(?!\w)"
-    if known.units:
-        pattern = rf"({NUMBER})\s*(?:{known.centimetres})"
-    return re.sub(
-        pattern,
-        lambda match: f"{float(match[1]) / 100:g} {known.metres}",
-        text,
-        flags=re.IGNORECASE,
     )

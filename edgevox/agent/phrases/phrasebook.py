@@ -132,6 +132,10 @@ class Hearing:
     """Last words of a sentence that is not finished."""
     goes_on: tuple[str, ...] = ()
     """Examples of words that may follow a whole command: "90 degrees" after "turn left"."""
+    hesitations: tuple[str, ...] = ()
+    """Sounds of somebody who looks for words, each letter as long as may be: "uh"."""
+    openers: tuple[str, ...] = ()
+    """Words that open a sentence and mean nothing to a robot: "and then"."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,10 +1,11 @@
 """Number words of one language, by which `edgevox.agent.phrases.numbers` reads numbers."""
 
+import itertools
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from edgevox.agent.text.spelling import key
+from edgevox.agent.text.spelling import NUMBER, key
 from edgevox.core.files.text import one_form
 
 Rewriting = tuple[re.Pattern[str], str]
@@ -42,6 +43,59 @@ def number_words(words: Mapping[str, float], units: str = "") -> NumberWords | N
 
 
 @dataclass(frozen=True, slots=True)
+class Lengths:
+    """The units of length of one language, each a pattern with its length in metres."""
+
+    units: tuple[tuple[re.Pattern[str], float], ...]
+    """Each unit's spellings and metres."""
+    several: re.Pattern[str]
+    """One length or more in a row: "5 feet and 6 inches"."""
+    one: re.Pattern[str]
+    """A number and the unit behind it."""
+    metres: str
+    """The word that replaces all these units."""
+
+    def as_metres(self, text: str) -> str:
+        """The text with each length in metres, and lengths in a row as their sum.
+
+        Of a sum each unit must be smaller than the one before: "2 metres 50 centimetres".
+        """
+        return self.several.sub(self._sum, text)
+
+    def _sum(self, found: re.Match[str]) -> str:
+        parts = [(float(one[1]), self._metres_of(one[2])) for one in self.one.finditer(found[0])]
+        units = [unit for _, unit in parts]
+        falling = all(one > other for one, other in itertools.pairwise(units))
+        if len(parts) == 1 or not falling or any(number < 0 for number, _ in parts[1:]):
+            return self.one.sub(self._single, found[0])
+        return self._told(sum(number * unit for number, unit in parts))
+
+    def _single(self, found: re.Match[str]) -> str:
+        number, unit = found[1], self._metres_of(found[2])
+        return found[0] if unit == 1.0 else self._told(float(number) * unit)
+
+    def _told(self, metres: float) -> str:
+        return f"{metres:.6g} {self.metres}"
+
+    def _metres_of(self, unit: str) -> float:
+        return next(metres for pattern, metres in self.units if pattern.fullmatch(unit))
+
+
+def lengths(rows: Sequence[tuple[str, float]], metres: str, joint: str, *, spaced: bool) -> Lengths:
+    """The units of a table; `joint` is the word that may stand between two lengths of a sum."""
+    patterns = [(one_form(pattern), length) for pattern, length in rows]
+    unit = "|".join(pattern for pattern, _ in patterns) or "(?!)"
+    end = r"(?!\w)" if spaced else ""
+    one = rf"{NUMBER}\s*(?:{unit}){end}"
+    return Lengths(
+        tuple((re.compile(pattern, re.IGNORECASE), length) for pattern, length in patterns),
+        re.compile(rf"{one}(?:\s*(?:{re.escape(joint)}\s*)?{one})*", re.IGNORECASE),
+        re.compile(rf"({NUMBER})\s*({unit}){end}", re.IGNORECASE),
+        metres,
+    )
+
+
+@dataclass(frozen=True, slots=True)
 class Numbers:
     """The table of numbers of a language, for `edgevox.agent.phrases.numbers`.
 
@@ -51,7 +105,5 @@ class Numbers:
     decimal_comma: bool = False
     rules: tuple[Rewriting, ...] = ()
     words: NumberWords | None = None
-    units: str = ""
-    centimetres: str = ""
-    metres: str = ""
+    lengths: Lengths | None = None
     library: str = ""

@@ -134,7 +134,6 @@ def test_a_bound_is_no_value(code: str) -> None:
         ("apartment", "go 3 by 4"),
         ("apartment", "drive 3 times 4"),
         ("apartment", "go to level 3 position 4"),
-        ("apartment", "x 3 feet y 4 feet"),
         ("apartment", "drive to x 3 furlongs y 4 furlongs"),
         ("humanoid", "walk forward 5'"),
         ("humanoid", "walk forward 1.5.2 meters"),

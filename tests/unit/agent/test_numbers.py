@@ -1,6 +1,10 @@
+import re
+
 import pytest
 
+from edgevox.agent.phrases.load import phrasebook
 from edgevox.agent.phrases.numbers import digits
+from edgevox.core.languages import LANGUAGES
 
 
 @pytest.mark.parametrize(
@@ -49,6 +53,70 @@ def test_french_number_words_are_understood():
 )
 def test_tens_and_halves_are_understood(language, said, written):
     assert digits(said, language) == written
+
+
+@pytest.mark.parametrize(
+    ("language", "said", "written"),
+    [
+        ("en", "move forward one foot", "move forward 0.3048 meters"),
+        ("en", "a foot and a half", "0.4572 meters"),
+        ("en", "half a foot", "0.1524 meters"),
+        ("en", "three quarters of an inch", "0.01905 meters"),
+        ("en", "two and a half feet", "0.762 meters"),
+        ("en", "a couple of yards", "1.8288 meters"),
+        ("en", "one more foot", "0.3048 meters"),
+        ("en", "twenty more degrees", "20 degrees"),
+        ("en", "half a mile", "804.672 meters"),
+        ("en", "three hundred millimetres", "0.3 meters"),
+        ("en", "go to x 2 m y 50 cm", "go to x 2 m y 0.5 meters"),
+        ("en", "get back on your feet", "get back on your feet"),
+        ("ar", "5 أقدام", "1.524 متر"),
+        ("de", "zwei Fuß vor", "0.6096 Meter vor"),
+        ("es", "avanza dos pies", "avanza 0.6096 metros"),
+        ("fr", "avance de trois pieds", "avance de 0.9144 mètres"),
+        ("hi", "तीन फुट आगे", "0.9144 मीटर आगे"),
+        ("id", "maju 2 kaki", "maju 0.6096 meter"),
+        ("it", "avanti di due piedi", "avanti di 0.6096 metri"),
+        ("ja", "三フィート進んで", "0.9144 メートル進んで"),
+        ("nl", "twee voet vooruit", "0.6096 meter vooruit"),
+        ("pl", "5 stóp do przodu", "1.524 metra do przodu"),
+        ("pt", "dois pés para a frente", "0.6096 metros para a frente"),
+        ("ru", "вперёд на пять футов", "вперёд на 1.524 метра"),
+        ("tr", "üç adım ileri", "1.2 metre ileri"),
+        ("vi", "tiến ba bước", "tiến 1.2 mét"),
+        ("zh", "前进三英尺", "前进0.9144 米"),
+    ],
+)
+def test_every_length_becomes_metres(language, said, written):
+    assert digits(said, language) == written
+
+
+@pytest.mark.parametrize(
+    ("language", "said", "written"),
+    [
+        ("en", "five feet and six inches", "1.6764 meters"),
+        ("en", "six feet two inches", "1.8796 meters"),
+        ("de", "2 Meter und 50 Zentimeter", "2.5 Meter"),
+        ("ja", "1メートル50センチ", "1.5 メートル"),
+        ("en", "2 meters 4 meters", "2 meters 4 meters"),
+        ("en", "2 inches 3 feet", "0.0508 meters 0.9144 meters"),
+        ("en", "2 meters and -50 cm", "2 meters and -0.5 meters"),
+    ],
+)
+def test_lengths_in_a_row_are_one_only_if_each_unit_is_smaller(language, said, written):
+    assert digits(said, language) == written
+
+
+@pytest.mark.parametrize("language", LANGUAGES)
+def test_each_unit_of_a_language_is_its_length(language):
+    known = phrasebook(language).numbers.lengths
+    tried = {1.0}
+    for pattern, metres in known.units:
+        for unit in re.sub(r"\([^)]*\)\??|\[[^]]*\]\??|.\?", "", pattern.pattern).split("|"):
+            if unit and pattern.fullmatch(unit) and metres != 1.0:
+                tried.add(metres)
+                assert known.as_metres(f"3 {unit}") == f"{3 * metres:.6g} {known.metres}"
+    assert tried == {metres for _, metres in known.units}
 
 
 def test_a_language_without_number_words_is_left_alone():

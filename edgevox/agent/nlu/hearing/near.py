@@ -4,6 +4,7 @@
 a"; one halt too many is better than one too few.
 """
 
+import difflib
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -63,6 +64,8 @@ NEAR, CLEAR = 0.35, 0.15
 """Share of the sounds that may differ from a command, and from one that is clear."""
 _LEAD = 0.02
 """How much farther all other commands must be from the words than a clear one."""
+_WORD_CLEAR = 0.55
+"""Share of the sounds that may differ in a single place of a clear command."""
 _LEAST_MASS, _CLEAR_MASS = 0.2, 0.7
 """Share of the hypotheses that must sound most like a command, and like a clear one.
 All of these were chosen with real people's orders to a coffee machine, by the half of the speakers
@@ -127,10 +130,29 @@ class NearCommands:
         if mass < _LEAST_MASS:
             return None
         clear = best.distance <= CLEAR and lead >= _LEAD and mass >= _CLEAR_MASS
+        clear = clear and not self._swaps_a_word(heard.text, best.words)
         choices = self._skills[best.of.skill].choices
         values = {slot: self._book.heard(choices[slot])[said] for slot, said in best.values}
         call = Call(best.of.skill, values)
         return NearCommand(best.words, call, heard, clear, best.of.alone)
+
+    def _swaps_a_word(self, heard: str, sentence: str) -> bool:
+        """True if words that were heard sound unlike what the sentence has in their place.
+
+        "Bring the mug to the bedroom" sounds much like "bring me to the bedroom", as a whole.
+        """
+        words, said = self._spoken(heard), self._spoken(sentence)
+        for what, start, end, first, last in _changes(words, said):
+            sounds = self._sounds(" ".join(words[start:end]))
+            if what != "insert" and sounds:
+                table = SpanTable([self._sounds(" ".join(said[first:last]))])
+                if table.distances(sounds)[0] > _WORD_CLEAR:
+                    return True
+        return False
+
+    def _spoken(self, text: str) -> list[str]:
+        """Its words without articles."""
+        return [word for word in key(text).split() if word not in self._articles]
 
     def _sentences_like(self, text: str) -> list[Path]:
         if not 0 < len(text) <= _MOST_CHARACTERS:
@@ -167,5 +189,11 @@ class NearCommands:
 
     def _sounds(self, text: str) -> Sounds:
         """The sounds of a text without articles, which are hardly spoken."""
-        words = " ".join(word for word in key(text).split() if word not in self._articles)
+        words = " ".join(self._spoken(text))
         return sounds_of(self._phonemes(words, self._book.code)) if words else ()
+
+
+def _changes(words: list[str], said: list[str]) -> Iterator[tuple[str, int, int, int, int]]:
+    """The parts in which two lists of words differ."""
+    matcher = difflib.SequenceMatcher(None, words, said, autojunk=False)
+    return (one for one in matcher.get_opcodes() if one[0] != "equal")
