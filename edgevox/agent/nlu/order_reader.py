@@ -82,7 +82,8 @@ _PUNCTUATION = r"\s,;:.!?\u2026\u00bf\u00a1\u060c\u061f\u061b\u0964\u3001\u3002"
 _LETTER = r"\w\u0900-\u0963\u0971-\u097f"
 """Vowel signs of Devanagari are no word characters to `re`."""
 _GAP = rf"[{_PUNCTUATION}]*"
-_NUMBER = r"\d+(?:\.\d+)?(?: \d)?"
+_NUMBER = r"(?:\d*[1-9]0 [1-9]|\d+(?:\.\d+)?)"
+_TIME = r"\d{1,2}[:.]\d{2}"
 
 
 class Pattern:
@@ -189,7 +190,8 @@ class _Writer:
         raise TypeError(part)
 
     def _slot(self, name: str) -> str:
-        inside = _NUMBER if name in NUMBERS else rf"[^{_PUNCTUATION}](?:.*?[^{_PUNCTUATION}])??"
+        inside = rf"[^{_PUNCTUATION}](?:.*?[^{_PUNCTUATION}])??"
+        inside = _NUMBER if name in NUMBERS else _TIME if name == "time" else inside
         before, after = (rf"(?<![{_LETTER}])", rf"(?![{_LETTER}])") if self._spaced else ("", "")
         if name in NUMBERS:
             before, after = r"(?<![\d.])", r"(?!\.?\d)"
@@ -225,7 +227,9 @@ Plain = Callable[[str], Sequence[Call] | RefusedCommand | None]
 DEEPEST = 4
 """Number of wrappers that one sentence may have around a plain command."""
 _SECONDS = {"hours": 3600.0, "minutes": 60.0, "seconds": 1.0}
-_KINDS = ("low", "after", "until", "times", "arrived", "saying", "back", "patrol", "say")
+_CLOCK = "clock"
+"""The wrapper of an order for a time of day, or for every hour: it is refused."""
+_KINDS = ("low", "after", "until", "times", "arrived", "saying", "back", "patrol", "say", _CLOCK)
 """The kinds of wrappers, the outermost first."""
 _MARKS = ("later", "low")
 """Rules that mark an order for later."""
@@ -265,11 +269,12 @@ class ProgramReader:
 
     def read(self, text: str, plain: Plain) -> Read:
         """The program of a sentence that is no plain command; None if it holds none."""
-        if len(text) > MAX_CHARACTERS or not is_exact(text, self._language):
+        if len(text) > MAX_CHARACTERS:
             return None
+        exact = is_exact(text, self._language)
         found: Read = None
         for language in self._languages:
-            read = language.whole(text, plain)
+            read = language.whole(text, plain) if exact else language.at_a_time(text, plain)
             if read is not None and not isinstance(read, RefusedCommand | Unclear):
                 return read
             found = found or read
@@ -296,6 +301,18 @@ class _ProgramLanguage:
             return None
         return Unclear() if read is None and self._is_later(words) else read
 
+    def at_a_time(self, text: str, plain: Plain) -> RefusedCommand | None:
+        """The refusal of an order for a time of day: "at 17:30, go to the kitchen"."""
+        words = spelled(text, self._book.code)
+        for pattern in self._patterns[_CLOCK]:
+            if (slots := pattern.slots(words)) is not None:
+                return self._for_a_time(slots, plain)
+        return None
+
+    def _for_a_time(self, slots: dict[str, str], plain: Plain) -> RefusedCommand | None:
+        order = plain(self._order(slots))
+        return RefusedCommand(self._book.say("program_clock")) if order else None
+
     def _is_later(self, words: str) -> bool:
         return any(mark.slots(words, anywhere=True) is not None for mark in self._marks)
 
@@ -318,7 +335,7 @@ class _ProgramLanguage:
         has_number = any(character.isdigit() for character in words)
         for kind in _KINDS:
             for pattern in self._patterns[kind]:
-                if has_number or not pattern.wants_number:
+                if has_number or kind == _CLOCK or not pattern.wants_number:
                     slots = pattern.slots(words)
                     if slots is not None:
                         yield kind, slots
@@ -326,6 +343,8 @@ class _ProgramLanguage:
     def _built(
         self, kind: str, slots: dict[str, str], plain: Plain, left: int
     ) -> Program | RefusedCommand | None:
+        if kind == _CLOCK:
+            return self._for_a_time(slots, plain)
         if kind == "say":
             return self._said(slots["words"])
         if kind == "patrol":

@@ -28,13 +28,15 @@ from edgevox.agent.nlu.orders import (
     Steps,
     When,
 )
-from edgevox.agent.nlu.templates import Recogniser, Understood
+from edgevox.agent.nlu.templates import Recogniser, RefusedCommand, Understood
 from edgevox.agent.phrases.load import ENGLISH, phrasebook
 from edgevox.agent.stop.words import SafetyWords
 from edgevox.core.languages import LANGUAGES
 
 SAMPLES = 4
-NUMBERS = {"count": "3", "seconds": "10", "minutes": "5", "hours": "2", "percent": "20"}
+NUMBERS = {
+    "count": "3", "seconds": "10", "minutes": "5", "hours": "2", "percent": "20", "time": "17:30",
+}  # fmt: skip
 ORDERS = {
     "en": "go to the kitchen",
     "de": "fahr in die Küche",
@@ -71,7 +73,7 @@ PLACES = {
     "ja": "キッチンと書斎",
     "zh": "厨房和书房",
 }
-KINDS = ("low", "after", "until", "times", "arrived", "saying", "back", "patrol")
+KINDS = ("low", "after", "until", "times", "arrived", "saying", "back", "patrol", "clock")
 
 
 def worded(code: str, template: str, source: random.Random) -> str:
@@ -125,7 +127,7 @@ def read(code: str, sentence: str) -> object:
     return programs.read(sentence, plain)
 
 
-def is_one(kind: str, program: object) -> bool:
+def is_one(code: str, kind: str, program: object) -> bool:
     match kind, program:
         case "low", When(condition=BatteryBelow(percent=20.0)):
             return True
@@ -141,6 +143,8 @@ def is_one(kind: str, program: object) -> bool:
             return True
         case "back", Steps(steps=(*_, Return())):
             return True
+        case "clock", RefusedCommand(reason=reason):
+            return reason == phrasebook(code).say("program_clock")
     return False
 
 
@@ -153,7 +157,7 @@ def test_what_a_template_stands_for_is_understood_and_stops_nobody(code, kind):
     for sentence in dict.fromkeys(worded(code, one, source) for one in templates * SAMPLES):
         assert safety.find(sentence) is None, sentence
         program = read(code, sentence)
-        assert is_one(kind, program), (sentence, program)
+        assert is_one(code, kind, program), (sentence, program)
 
 
 @pytest.mark.parametrize("code", LANGUAGES)
@@ -196,6 +200,13 @@ NUMBERED = [
     ("ru", "через двадцать пять минут иди в кухню", 1500.0),
     ("fr", "dans une demi-heure, va dans la cuisine", 1800.0),
     ("ar", "بعد خمس دقائق اذهب إلى المطبخ", 300.0),
+    ("en", "in 1/2 a minute, go to the office", 30.0),
+    ("en", "in a minute and a half go to the office", 90.0),
+    ("en", "in a couple of minutes go to the office", 120.0),
+    ("en", "in three quarters of an hour go to the office", 2700.0),
+    ("en", "in 90s go to the office", 90.0),
+    ("en", "go to the office in 2min", 120.0),
+    ("en", "in twenty five minutes go to the office", 1500.0),
 ]
 
 
@@ -204,6 +215,27 @@ def test_numbers_are_understood_as_they_are_said(code, sentence, delay_s):
     program = read(code, sentence)
     assert isinstance(program, After)
     assert program.delay_s == delay_s
+
+
+CLOCKS = [
+    "at 17:30 go to the kitchen",
+    "at half past five, go to the kitchen",
+    "go to the kitchen at noon please",
+    "every hour go to the kitchen",
+    "go to the kitchen every ten minutes",
+]
+
+
+@pytest.mark.parametrize("sentence", CLOCKS)
+def test_an_order_for_a_time_of_day_is_declined_by_name(sentence):
+    refused = read("en", sentence)
+    assert isinstance(refused, RefusedCommand)
+    assert refused.reason == phrasebook("en").say("program_clock")
+
+
+@pytest.mark.parametrize("sentence", ["at 17:30 what is on television", "what happens every hour"])
+def test_what_is_no_order_is_not_declined(sentence):
+    assert not isinstance(read("en", sentence), RefusedCommand)
 
 
 def test_wrappers_may_stand_around_each_other():
