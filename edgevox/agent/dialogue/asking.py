@@ -20,7 +20,7 @@ from edgevox.agent.phrases.phrasebook import Phrasebook
 from edgevox.agent.policy import NeedsConfirmation
 from edgevox.agent.programs.keeper import Programs
 from edgevox.agent.programs.questions import ProgramQuestions
-from edgevox.agent.skills import Call, Skill
+from edgevox.agent.skills import STOP, Call, Skill
 from edgevox.agent.turn import Turn
 from edgevox.core.agent_events import ConfirmationStatus
 from edgevox.core.events import Outcome
@@ -83,6 +83,11 @@ class Performer:
     def answer(self, text: str, turn: Turn) -> bool:
         """Answer a question about the kept programs; False if the text is none."""
         return self._questions.answer(text, turn)
+
+    @property
+    def moving(self) -> bool:
+        """True while a goal moves the robot, or waits to."""
+        return self._executor.moving is not None
 
     def drives(self, prepared: Prepared) -> bool:
         """True if it sets the body in motion, now or later."""
@@ -184,6 +189,8 @@ class Asking:
         if answer and self._counts(answer, text):
             return self._answered(answer, turn, said_s)
         meaning = self._corrected(text)
+        if meaning is None and self._takes_back(text):
+            meaning = self._halt()
         if meaning is None:
             rest = self._unanswered(text)
             if not rest:
@@ -253,6 +260,9 @@ class Asking:
     def _answered(self, answer: Answer, turn: Turn, said_s: float) -> Meaning | None:
         """Act on an answer; return the meaning that a yes carries out, or None."""
         if answer is Answer.NO:
+            if not self.question.asked and self._performer.moving and (halt := self._halt()):
+                turn.decided(halt.every_call, halt.source, halt.measured)
+                return halt if self.act(halt, turn) else None
             asked = self.question.end(ConfirmationStatus.DECLINED)
             turn.say(self._interpreter.phrases.say("left_undone" if asked else "what_instead"))
             return None
@@ -291,6 +301,18 @@ class Asking:
             return None
         self.question.end(ConfirmationStatus.DECLINED)
         return Meaning(agent, tuple(right if c is wrong else c for c in calls), "template")
+
+    def _takes_back(self, text: str) -> bool:
+        """True if this is a no to what moves the robot, and no plain command: "no, go east"."""
+        if self.question.asked or not self._performer.moving:
+            return False
+        rest = self._answers.after_no(text)
+        return bool(rest) and self._interpreter.plain(rest) is None
+
+    def _halt(self) -> Meaning | None:
+        """The call that ends the motion; None if the agent cannot stop anything."""
+        agent = self._interpreter.active
+        return Meaning(agent, (Call(STOP),), "template") if STOP in agent.every_skill else None
 
     def _unanswered(self, text: str) -> str:
         """The words left to understand: all, or those after the no of "no, go to the office".
