@@ -13,7 +13,7 @@ from urllib.parse import quote, urlsplit
 
 from aiohttp import web
 
-from edgevox.console.door import Door
+from edgevox.console.door import Door, cut
 from edgevox.console.limits import UNREADABLE, BadRequest, BadRequests, PageRateLimit
 from edgevox.console.page_hub import PageHub
 from edgevox.console.page_messages import MOST_BYTES
@@ -246,7 +246,7 @@ class Site:
             session,
             socket,
             self._limits,
-            lambda: transport.abort() if transport else None,
+            lambda: cut(transport),
             mark=mark,
         )
         await page.run(request.query.get("language", self.hub.context.controls.language))

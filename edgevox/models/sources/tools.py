@@ -13,6 +13,9 @@ from pathlib import Path
 from edgevox.models.manifest import ModelFile
 from edgevox.models.model_errors import SourceFailed
 
+_OF_NPM = ("npm error ", "npm ERR! ")
+"""The beginning of its lines about a failure, in version 10 and before it."""
+
 
 def place_for(file: ModelFile, staging: Path) -> Path:
     """A path for the file below the staging folder; its folder is there, the file may be."""
@@ -56,6 +59,8 @@ def run_tool(
 
 def _reason(name: str, said: str) -> str:
     lines = [line.strip() for line in said.splitlines() if line.strip()]
-    telling = [line for line in lines if line.startswith(("fatal:", "npm error", "error:"))]
+    telling = [line for line in lines if line.startswith(("fatal:", "error:", *_OF_NPM))]
     chosen = telling[:2] or lines[-1:] or [f"{name} failed"]
-    return "; ".join(line.removeprefix("npm error ") for line in chosen)
+    for prefix in _OF_NPM:
+        chosen = [line.removeprefix(prefix) for line in chosen]
+    return "; ".join(chosen)

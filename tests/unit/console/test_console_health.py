@@ -10,7 +10,7 @@ from waiting import wait_until
 
 from edgevox.apps import health as edgevox_health
 from edgevox.console.console_server import Liveness
-from edgevox.console.door import Door
+from edgevox.console.door import Door, cut
 from edgevox.core.status import STALL_S, Components, Level
 from edgevox.ops.health import Health, HealthServer
 from tests.console_rig import Rig, console
@@ -80,6 +80,17 @@ def test_a_listening_socket_that_takes_nobody_is_told() -> None:
     shut, ended = asyncio.run(knock())
     assert shut.startswith("nobody is let in: ")
     assert ended == "nobody is let in any more"
+
+
+def test_a_transport_that_cannot_be_aborted_any_more_ends_no_server() -> None:
+    class ClosedTwice(asyncio.Transport):
+        """As a TLS transport of Python 3.11.2 is, once it was closed twice."""
+
+        def abort(self) -> None:
+            raise AttributeError("'NoneType' object has no attribute '_abort'")
+
+    cut(ClosedTwice())
+    cut(None)
 
 
 def test_a_loop_that_stands_still_is_told_after_a_while() -> None:

@@ -21,6 +21,14 @@ def test_a_tool_that_fails_is_quoted_with_its_telling_line(tmp_path: Path) -> No
         run("echo working; echo 'fatal: no such thing' >&2; echo sorry >&2; exit 3", tmp_path)
 
 
+@pytest.mark.parametrize("prefix", ["npm error", "npm ERR!"])
+def test_each_npm_is_quoted_with_what_went_wrong(tmp_path: Path, prefix: str) -> None:
+    """Version 9, as Debian 12 has it, marks its lines in another way."""
+    said = f"echo '{prefix} code ETARGET'; echo '{prefix} notarget No version'; echo '{prefix} log'"
+    with pytest.raises(SourceFailed, match=r"^code ETARGET; notarget No version$"):
+        run(f"{said}; exit 1", tmp_path)
+
+
 def test_a_tool_that_takes_too_long_is_ended_with_all_it_started(tmp_path: Path) -> None:
     pipe = tmp_path / "pipe"
     os.mkfifo(pipe)
