@@ -1,7 +1,7 @@
-"""`robot-shuttle`: a carriage on a rail, as an example of a body of one's own.
+"""`robot-shuttle`: a carriage on a rail, as an example of a body of your own.
 
-What it can do is what it has methods for: a pose, velocities, places, a drive to a point.
-`edgevox.robots.capabilities` says what there is to choose from.
+Its methods decide what it can do: a pose, velocities, places, a drive to a point.
+`edgevox.robots.capabilities` lists all such methods.
 """
 
 import math
@@ -37,7 +37,7 @@ class Trip(Motion):
         self._left_m = self._length_m = max(abs(goal_m - start_m), THERE_M)
 
     def go_on(self, x_m: float) -> None:
-        """The shuttle is here now."""
+        """Take in where the shuttle is now."""
         self._left_m = abs(self.goal_m - x_m)
         if self._left_m < THERE_M:
             self.end()

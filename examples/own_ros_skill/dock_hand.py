@@ -17,13 +17,13 @@ DOCKING_S = 120.0
 
 
 def dock_hand_skills(context: SkillContext) -> Iterable[Skill]:
-    """What the entry point names: called once, before the robot is started."""
-    ros = context.require_ros()  # where there is none, these skills are off
+    """The entry point names this; EdgeVox calls it once, before the robot starts."""
+    ros = context.require_ros()  # without ROS 2, these skills are off
     return [sound_horn_skill(ros), go_to_berth_skill(ros, context)]
 
 
 def sound_horn_skill(ros: NodeHandle) -> Skill:
-    """Calls a service. Types are imported here, where it is known that there is ROS 2."""
+    """Make a skill that calls a service. Import message types here, where ROS 2 is there."""
     from std_srvs.srv import SetBool
 
     @skill(moves=False, phrases=PHRASES.of("sound_horn"))
@@ -39,7 +39,7 @@ def sound_horn_skill(ros: NodeHandle) -> Skill:
 
 
 def go_to_berth_skill(ros: NodeHandle, context: SkillContext) -> Skill:
-    """Runs an action, here of the type by which EdgeVox runs its own skills."""
+    """Make a skill that runs an action, here of EdgeVox's own type."""
     from edgevox_msgs.action import ExecuteSkill
 
     @skill(phrases=PHRASES.of("go_to_berth"))

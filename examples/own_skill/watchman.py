@@ -1,4 +1,4 @@
-"""`robot-watchman`: the apartment's robot, with a skill of one's own in two languages."""
+"""`robot-watchman`: the apartment's robot, with one more skill, in two languages."""
 
 from collections.abc import Callable
 from typing import Annotated, Any
@@ -26,7 +26,7 @@ GERMAN = SkillPhrases(
 
 
 def patrol_skill(body: DiffDriveRobot) -> Skill:
-    """A round through every room of the body's world."""
+    """Make the skill that drives through every room of the body's world."""
 
     @skill(
         templates=[
@@ -53,7 +53,7 @@ def patrol_skill(body: DiffDriveRobot) -> Skill:
 
 
 def _part(goal: GoalHandle, number: int, count: int) -> Callable[..., None]:
-    """Reports one drive as a part of the whole round."""
+    """Report the progress of one drive as a part of the whole round."""
 
     def report(**feedback: Any) -> None:
         goal.report(**feedback | {"progress": round((number + feedback["progress"]) / count, 3)})
@@ -62,7 +62,7 @@ def _part(goal: GoalHandle, number: int, count: int) -> Callable[..., None]:
 
 
 class Watchman(DiffDriveRobot):
-    """Whatever the apartment's robot is, and a skill more."""
+    """The apartment's robot with one more skill."""
 
     def __init__(self, world: World, speed: float | None) -> None:
         super().__init__("robot-watchman", world, PymunkEngine(world), speed=speed)

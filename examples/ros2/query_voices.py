@@ -1,4 +1,4 @@
-"""List the voices that the robot can speak with, by its service: ``python3 query_voices.py``."""
+"""List the robot's voices, by its service: ``python3 query_voices.py``."""
 
 import argparse
 import json

@@ -1,6 +1,6 @@
 """Do something the moment the robot hears its wake word, until Ctrl-C.
 
-Here a line is printed; a robot would turn its head or switch on a light.
+This prints a line; a robot would turn its head or switch on a light.
 """
 
 import argparse

@@ -1,8 +1,8 @@
-"""Connect the robot's microphone and speaker nodes: those of audio_common, or others like them.
+"""Connect the robot's microphone and speaker nodes, such as those of audio_common.
 
 ``python3 relay_audio.py --microphone /audio/audio --speaker /play/audio`` copies sound to
-``audio_in`` and from ``audio_out``, until Ctrl-C. Any type with a field ``uint8[] data`` will do,
-if what is in it is 16 bit little-endian, mono, at 16000 Hz, without a header.
+``audio_in`` and from ``audio_out``, until Ctrl-C. Any type with a field ``uint8[] data`` works,
+if it holds 16 bit little-endian samples, mono, at 16000 Hz, without a header.
 """
 
 import argparse
@@ -22,7 +22,7 @@ def main() -> None:
     parser.add_argument("--namespace", default="/edgevox", help="where the robot's topics are")
     arguments = parser.parse_args()
 
-    rclpy.init()  # Ctrl-C shuts it down; to do so here, too, would race with that
+    rclpy.init()  # Ctrl-C shuts it down; doing it here as well would race with that
     try:
         node = rclpy.create_node("relay_audio", namespace=arguments.namespace)
         theirs, ours = message_type(arguments.type), message_type(SOUND)
@@ -32,11 +32,11 @@ def main() -> None:
         if arguments.speaker:
             relay(node, (ours, "audio_out"), (theirs, arguments.speaker), 10)
         while rclpy.ok():
-            rclpy.spin_once(node, timeout_sec=1.0)  # Ctrl-C may not wake one that waits for ever
+            rclpy.spin_once(node, timeout_sec=1.0)  # Ctrl-C may not wake a wait without a timeout
     except KeyboardInterrupt:
         pass
     except Exception:
-        if rclpy.ok():  # else Ctrl-C came in the midst of something, which may raise what it likes
+        if rclpy.ok():  # otherwise Ctrl-C interrupted a call, which may raise anything
             raise
 
 

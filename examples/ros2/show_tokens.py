@@ -1,6 +1,6 @@
 """Show answers piece by piece, as the model generates them, until Ctrl-C.
 
-Tokens come best effort: a display that misses one shows the rest. `response` has the whole answer.
+Tokens are published best effort, so a display may miss one. `response` has the whole answer.
 """
 
 import argparse

@@ -1,4 +1,4 @@
-"""Switch the language by the node's parameter, which says why if it cannot.
+"""Switch the language by the node's parameter, and print the reason if that fails.
 
 ``python3 switch_language_parameter.py fr``, or ``ros2 param set /edgevox/edgevox language fr``.
 """

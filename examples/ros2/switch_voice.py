@@ -1,4 +1,4 @@
-"""Switch the voice: ``python3 switch_voice.py af_bella``; query_voices.py lists what there is."""
+"""Switch the voice: ``python3 switch_voice.py af_bella``; query_voices.py lists the voices."""
 
 import argparse
 import sys

@@ -23,7 +23,6 @@ NEEDS = {
     "a broken recording",
     "a cluster",
     "a package index",
-    "a proxy that opens TLS",
     "a registry",
     "a sound card",
     "an installed ROS 2",

@@ -21,7 +21,7 @@ OPTIONAL = {"errors", "called_off", "own_names", "kokoro", "piper"}
 def test_a_language_is_tried_by_the_tests_data(code, name):
     entries = ENTRIES[name]((TESTS / name).read_text("utf-8"))
 
-    assert code in entries, f"tests/{name} has no entry {code}: see docs/languages.md"
+    assert code in entries, f"tests/{name} has no entry {code}: see docs/skills.md"
 
 
 @pytest.mark.parametrize("folder", ["corpus", "talk"])
@@ -29,7 +29,7 @@ def test_a_language_is_tried_by_the_tests_data(code, name):
 def test_a_language_has_a_corpus_and_is_talked_to(code, folder):
     file = TESTS / folder / f"{code}.yaml"
 
-    assert file.is_file(), f"there is no tests/{folder}/{code}.yaml: see docs/languages.md"
+    assert file.is_file(), f"there is no tests/{folder}/{code}.yaml: see docs/skills.md"
 
 
 @pytest.mark.parametrize("code", CODES)

@@ -1,4 +1,4 @@
-"""`robot-porter`: the robot of `world.yaml`, with a skill of this repository."""
+"""`robot-porter`: the robot of `world.yaml`, with one more skill."""
 
 from typing import Annotated
 
