@@ -50,6 +50,13 @@ def test_what_is_no_command_any_more_moves_nothing(interpreter: Interpreter, sai
     assert not any(skill.drives for skill in called)
 
 
+def test_a_word_that_sounds_otherwise_is_not_swapped_for_another(interpreter: Interpreter) -> None:
+    """As a whole it sounds much like "please bring me to the bedroom"."""
+    meaning = understood(interpreter, "Please bring the mug to the bedroom.", 1.0)
+
+    assert meaning is None or not meaning.sure
+
+
 def test_a_stop_word_that_is_nearly_heard_stops_a_robot_that_drives() -> None:
     phonemes = open_phonemes()
 
