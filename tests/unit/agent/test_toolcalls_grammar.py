@@ -82,11 +82,12 @@ def test_an_output_is_either_words_or_calls(seed: int) -> None:
 
 
 @given(seeds)
-def test_words_end_with_a_sentence_and_hold_no_control_characters(seed: int) -> None:
+def test_words_end_with_a_sentence_and_hold_no_control_characters_and_no_code(seed: int) -> None:
     words, _ = read("talk: " + written(seed, "words"))
 
     assert words[-1] in ".!?"
     assert words.isprintable()
+    assert set(words).isdisjoint("(){}[]<>=;_|`^~")
 
 
 @given(seeds)

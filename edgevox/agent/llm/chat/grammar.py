@@ -27,6 +27,8 @@ MAX_MODEL_CALLS = 5
 MAX_SENTENCES = 2
 MAX_SENTENCE_CHARACTERS = 160
 MAX_STRING_CHARACTERS = 60
+_CODE = r"(){}\[\]<>=;_|`\x5e~"
+"""Characters of calls and of code, in a character class: no sentence that is spoken has one."""
 _DIGITS, _DECIMALS = 4, 2
 _FEW = 64
 """Integers between bounds are listed one by one up to this many."""
@@ -34,8 +36,8 @@ _FEW = 64
 _FIXED = rf"""
 calls ::= (call "{JOINT}"){{1,{MAX_MODEL_CALLS}}} "{END}"
 words ::= sentence (" " sentence){{0,{MAX_SENTENCES - 1}}}
-sentence ::= [^ .!?;\x00-\x1f\x7f] letter{{0,{MAX_SENTENCE_CHARACTERS - 1}}} [.!?]
-letter ::= [^.!?\x00-\x1f\x7f] | "." [0-9]
+sentence ::= [^ .!?{_CODE}\x00-\x1f\x7f] letter{{0,{MAX_SENTENCE_CHARACTERS - 1}}} [.!?]
+letter ::= [^.!?{_CODE}\x00-\x1f\x7f] | "." [0-9]
 string ::= "\"" [^"\\\x00-\x1f\x7f]{{0,{MAX_STRING_CHARACTERS}}} "\""
 boolean ::= "True" | "False"
 """
