@@ -26,6 +26,7 @@ from edgevox.core.settings import Settings, load_settings
 from edgevox.core.status import Components
 from edgevox.ops.health import Health
 from edgevox.ros2 import split_ros_args
+from edgevox.ros2.recordings import PREFIX
 from edgevox.scenario import Scenario, load_scenario, run_scenario
 from edgevox.scenario.run import StepResult, heading, line, summary
 
@@ -55,6 +56,7 @@ class RecorderArguments:
     spare_mb: float
     most_mb: float | None
     duration_s: float | None
+    mend: bool
     scenario: Path | None
     wait_s: float
     ros_args: tuple[str, ...]
@@ -72,6 +74,7 @@ def parse_arguments(argv: Sequence[str]) -> RecorderArguments:
         _at_least("spare", arguments.spare, 0),
         None if arguments.most is None else _at_least("most", arguments.most, 0.01),
         arguments.duration,
+        arguments.mend,
         arguments.scenario,
         arguments.wait,
         tuple(ros),
@@ -130,6 +133,11 @@ def _parser() -> argparse.ArgumentParser:
     what = parser.add_mutually_exclusive_group()
     what.add_argument("--duration", type=float, metavar="S", help="end after this many seconds")
     what.add_argument(
+        "--mend",
+        action="store_true",
+        help="record nothing: only mend what earlier recorders left unfinished in DIR",
+    )
+    what.add_argument(
         "--scenario",
         type=Path,
         metavar="FILE",
@@ -180,6 +188,8 @@ def _prepare(argv: Sequence[str], lost: list[str]) -> Callable[[], bool]:
     for module, what in (("rclpy", "ROS 2 Jazzy"), ("mcap", install_extra("recorder"))):
         if find_spec(module) is None:
             raise EdgeVoxError(f"{module}: got no module, expected {what}")
+    if asked.mend:
+        return lambda: _mend(asked.output)
     secure_ros2("edgevox-recorder", asked.settings)
     scenario = load_scenario(asked.scenario) if asked.scenario else None
     from edgevox.ros2.recorder import choose_topics
@@ -188,11 +198,18 @@ def _prepare(argv: Sequence[str], lost: list[str]) -> Callable[[], bool]:
     return lambda: _record(asked, scenario, lost)
 
 
+def _mend(output: Path) -> bool:
+    from edgevox.ros2.recorder import mend_recordings
+
+    mend_recordings(output, lambda: False)
+    return True
+
+
 def _record(asked: RecorderArguments, scenario: Scenario | None, lost: list[str]) -> bool:
     from edgevox.ros2.recorder import Disk, Recorder, choose_topics
 
     namespace = asked.settings.agent_namespace
-    folder = asked.output / f"edgevox-{datetime.now(UTC):%Y%m%d-%H%M%S}"
+    folder = asked.output / f"{PREFIX}{datetime.now(UTC):%Y%m%d-%H%M%S}"
     most = None if asked.most_mb is None else round(asked.most_mb * MB)
     disk = Disk(folder, round(asked.max_size_mb * MB), round(asked.spare_mb * MB), most)
     topics = choose_topics(namespace, asked.topics)

@@ -9,6 +9,7 @@ import subprocess
 import sys
 import threading
 from collections import Counter
+from contextlib import suppress
 from functools import partial
 from pathlib import Path
 
@@ -16,6 +17,10 @@ import phrases
 import pytest
 import yaml
 from guards import HUNG_S
+from mcap.exceptions import EndOfFile
+from mcap.reader import make_reader
+from mcap.records import Chunk
+from mcap.stream_reader import StreamReader
 from peer import STATE
 from recordings import texts_of, until_recorded
 from robot_states import far_room
@@ -23,6 +28,7 @@ from rosbags.highlevel import AnyReader
 from waiting import Heard, wait_until
 
 from edgevox.ros2.recorder.disk import FLUSH_S
+from edgevox.ros2.recordings import finished, opened
 
 RECORDER = str(Path(sys.executable).with_name("edgevox-recorder"))
 SCENARIOS = Path(__file__).parents[2] / "scenarios"
@@ -56,11 +62,12 @@ class Recorder:
 
     @property
     def folder(self):
-        (folder,) = self.output.iterdir()
+        *_, folder = sorted(self.output.iterdir())
         return folder
 
     def files(self):
-        return sorted(self.folder.glob("*.mcap"))
+        """Those that are whole, and the one that is written, in their order."""
+        return [*finished(self.folder), *opened(self.folder)]
 
     def end(self, number=signal.SIGTERM):
         if self.process.poll() is None:
@@ -191,6 +198,48 @@ def test_when_it_is_killed_all_that_it_flushed_is_there_and_a_full_file_is_follo
     assert set(wanted) <= set(kept)
     texts = {topic for file in one.files() for topic in texts_of(file)}
     assert texts == {"/edgevox/scan", "/edgevox/robot_state", "/edgevox/pose", "/tf"}
+
+    folder, there = one.folder, flushed(one.files())
+    next_one = recorder("--output", str(one.output)).wait_until_it_records()
+    wait_until((folder / "metadata.yaml").exists, "the mended recording")
+    assert next_one.end() == 0, next_one.lines
+    assert not opened(folder)
+    assert count_in(folder) == flushed(finished(folder)) == there
+
+
+def flushed(files):
+    """How many messages there are of each topic in these files, which may have no end."""
+    found = Counter()
+    for file in files:
+        found.update({topic: len(rows) for topic, rows in texts_of(file).items()})
+    return found
+
+
+def test_a_file_that_was_cut_inside_a_chunk_is_mended_by_the_next_recorder(recorder):
+    one = recorder().wait_until_it_records()
+    wait_until(lambda: len(chunk_ends(one.files())) > 2, "three chunks")
+    assert one.end(signal.SIGKILL) == -signal.SIGKILL
+    folder, (file,) = one.folder, one.files()
+    *_, before, last = chunk_ends([file])
+    os.truncate(file, (before + last) // 2)  # as a power cut may leave it
+    there = texts_of(file)
+    mending = recorder("--output", str(one.output), "--mend")
+    assert mending.wait() == 0
+    assert any("recording_mended" in line for line in mending.lines)
+    (whole,) = finished(folder)
+    with whole.open("rb") as stream:
+        read = Counter(channel.topic for _, channel, _ in make_reader(stream).iter_messages())
+    assert read == {topic: len(rows) for topic, rows in there.items()} == count_in(folder)
+
+
+def chunk_ends(files):
+    """Where the chunks of a file end."""
+    ends = []
+    for file in files:
+        with file.open("rb") as stream, suppress(EndOfFile):
+            chunks = StreamReader(stream, emit_chunks=True).records
+            ends.extend(stream.tell() for one in chunks if isinstance(one, Chunk))
+    return ends
 
 
 @pytest.mark.long

@@ -134,6 +134,7 @@ class Writing:
         self._round()
         if not self._try(lambda: self.bag.end_file(self._notes())):
             self._lose_file()
+        self._try(self.bag.close)
 
     def _round(self) -> None:
         """Write the messages since the last round, after those that could not be written before."""
