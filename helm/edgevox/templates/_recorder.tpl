@@ -42,12 +42,13 @@
   image: {{ $upload.image | quote }}
   imagePullPolicy: IfNotPresent
   command: [sh, -c]
-  # As in compose/recordings.yml. A file that is still written to is younger than a minute.
+  # As in compose/recordings.yml. What has its own name is whole and never changes.
   args:
     - >-
       while true; do
-      rclone --config /run/secrets/rclone/rclone.conf "$UPLOAD_VERB" /recordings "$UPLOAD_TO"
-      --min-age 1m --include '*.{mcap,yaml}' --immutable --s3-no-check-bucket --log-level NOTICE;
+      if rclone --config /run/secrets/rclone/rclone.conf "$UPLOAD_VERB" /recordings "$UPLOAD_TO"
+      --include '*.{mcap,yaml}' --immutable --s3-no-check-bucket --log-level NOTICE;
+      then rm -f "$XDG_CACHE_HOME/failed"; else touch "$XDG_CACHE_HOME/failed"; fi;
       sleep "$UPLOAD_EVERY_S"; done
   env:
     - {name: UPLOAD_VERB, value: {{ ternary "move" "copy" $upload.move }}}

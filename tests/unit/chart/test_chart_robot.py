@@ -1,5 +1,7 @@
 """What a robot of one's own needs of the chart: its files, plug-ins, recorder and alerts."""
 
+import os
+import subprocess
 from typing import Any
 
 import helm_python as helm
@@ -177,7 +179,7 @@ def test_recordings_go_to_object_storage_by_the_command_that_compose_has(version
     compose = yaml.safe_load((chart.CHART.parents[1] / "compose/recordings.yml").read_text())
     service = compose["services"]["recordings"]
     (script,) = service["command"]
-    script = script.replace("$$RECORDINGS_", "$UPLOAD_")
+    script = script.replace("$$RECORDINGS_", "$UPLOAD_").replace("$$", "$")
     assert made["args"] == [
         script.replace("secrets/recordings_config", "secrets/rclone/rclone.conf")
     ]
@@ -195,6 +197,42 @@ def test_recordings_go_to_object_storage_by_the_command_that_compose_has(version
         one for one in pods(ONE | UPLOAD)["solo"]["containers"] if one["name"] == "recorder"
     ]
     assert all(one["name"] != "upload-config" for one in recorder["volumeMounts"])
+
+
+UPLOADER = """#!/bin/sh
+echo "$@" >>"$LOG"
+[ "$(wc -l <"$LOG")" -gt 1 ]
+"""
+"""In the place of rclone: its first run fails."""
+
+
+def test_an_upload_that_failed_is_told_until_one_succeeds(tmp_path) -> None:
+    (made,) = upload_of(ONE | UPLOAD)
+    (tmp_path / "rclone").write_text(UPLOADER)
+    (tmp_path / "sleep").write_text('#!/bin/sh\necho "$1" >"$WAITS"\nread _ <"$GO"\n')
+    for name in ("rclone", "sleep"):
+        (tmp_path / name).chmod(0o755)
+    for name in ("waits", "go"):
+        os.mkfifo(tmp_path / name)
+    given = {one["name"]: one["value"] for one in made["env"]} | {
+        "PATH": f"{tmp_path}:{os.environ['PATH']}",
+        "LOG": str(tmp_path / "log"),
+        "WAITS": str(tmp_path / "waits"),
+        "GO": str(tmp_path / "go"),
+        "XDG_CACHE_HOME": str(tmp_path),
+    }
+    told = []
+    with subprocess.Popen([*made["command"], *made["args"]], env=given) as process:
+        for _ in range(2):
+            assert (tmp_path / "waits").read_text() == "60\n"
+            told.append((tmp_path / "failed").exists())
+            if len(told) == 2:
+                process.kill()
+            (tmp_path / "go").write_text("\n")
+    assert told == [True, False]
+    first = (tmp_path / "log").read_text().splitlines()[0]
+    assert " copy /recordings store:robots/solo --include *.{mcap,yaml} --immutable " in first
+    assert "min-age" not in first
 
 
 def test_nothing_is_uploaded_unless_it_is_said_where_and_by_what() -> None:
