@@ -26,7 +26,7 @@ from edgevox.core.settings import Settings, load_settings
 from edgevox.core.status import Components
 from edgevox.ops.health import Health
 from edgevox.ros2 import split_ros_args
-from edgevox.ros2.recordings import PREFIX
+from edgevox.ros2.recordings import PREFIX, WhenFull, used_bytes
 from edgevox.scenario import Scenario, load_scenario, run_scenario
 from edgevox.scenario.run import StepResult, heading, line, summary
 
@@ -55,6 +55,7 @@ class RecorderArguments:
     max_size_mb: float
     spare_mb: float
     most_mb: float | None
+    when_full: WhenFull
     duration_s: float | None
     mend: bool
     scenario: Path | None
@@ -66,13 +67,17 @@ def parse_arguments(argv: Sequence[str]) -> RecorderArguments:
     """Read a command line. Raises `InvalidValue`; ends the process for what makes no sense."""
     own, ros = split_ros_args(argv)
     arguments = _parser().parse_args(own)
+    most = None if arguments.most is None else _at_least("most", arguments.most, 0.01)
+    if most is not None and arguments.when_full is WhenFull.RING:  # the open file never goes
+        _at_least("most", most, 2 * arguments.max_size)
     return RecorderArguments(
         load_settings(given_flags(arguments), arguments.config),
         arguments.output,
         tuple(arguments.topics),
         _at_least("max_size", arguments.max_size, 0.01),
         _at_least("spare", arguments.spare, 0),
-        None if arguments.most is None else _at_least("most", arguments.most, 0.01),
+        most,
+        arguments.when_full,
         arguments.duration,
         arguments.mend,
         arguments.scenario,
@@ -127,8 +132,15 @@ def _parser() -> argparse.ArgumentParser:
         "--most",
         type=float,
         metavar="MB",
-        help="stop recording when all files together have this size; a scenario"
-        " still plays to its end",
+        help="size limit of all recordings in DIR together [default: none]",
+    )
+    parser.add_argument(
+        "--when-full",
+        type=WhenFull,
+        choices=tuple(WhenFull),
+        default=WhenFull.END,
+        help="at --most: end (a scenario still plays to its end); wait for room; or ring:"
+        " remove the oldest finished files, also for --spare [default: end]",
     )
     what = parser.add_mutually_exclusive_group()
     what.add_argument("--duration", type=float, metavar="S", help="end after this many seconds")
@@ -211,7 +223,16 @@ def _record(asked: RecorderArguments, scenario: Scenario | None, lost: list[str]
     namespace = asked.settings.agent_namespace
     folder = asked.output / f"{PREFIX}{datetime.now(UTC):%Y%m%d-%H%M%S}"
     most = None if asked.most_mb is None else round(asked.most_mb * MB)
-    disk = Disk(folder, round(asked.max_size_mb * MB), round(asked.spare_mb * MB), most)
+    disk = Disk(
+        folder,
+        round(asked.max_size_mb * MB),
+        round(asked.spare_mb * MB),
+        most,
+        asked.when_full,
+    )
+    if disk.when_full is WhenFull.END and most is not None and used_bytes(asked.output) >= most:
+        used = used_bytes(asked.output) / MB
+        raise InvalidValue("most", asked.most_mb, f"more than the {used:g} MB in {asked.output}")
     topics = choose_topics(namespace, asked.topics)
     try:
         with ExitStack() as stack, ShutdownSignals(asked.settings.leave_s):

@@ -11,6 +11,7 @@ import os
 import re
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
+from enum import StrEnum
 from pathlib import Path
 
 from edgevox.core.files.atomic_file import sync_folder
@@ -22,6 +23,17 @@ OPEN = ".open"
 BROKEN = ".broken"
 METADATA = "metadata.yaml"
 _NUMBER = re.compile(r"_(\d+)\.mcap")
+
+
+class WhenFull(StrEnum):
+    """What happens once all recordings together have the bytes that they may have."""
+
+    END = "end"
+    """The recording ends."""
+    WAIT = "wait"
+    """Nothing is recorded until files were moved away."""
+    RING = "ring"
+    """The oldest finished files are removed, also where the disk has no room to spare."""
 
 
 def folders(output: Path) -> list[Path]:

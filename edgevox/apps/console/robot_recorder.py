@@ -200,11 +200,12 @@ class RobotRecorder:
         with self._lock:
             if self._process:
                 raise EdgeVoxError("record: it records already")
-            room_mb = self.kept.make_folder() // MB
-            if room_mb < self._least_mb:
-                raise EdgeVoxError(f"record: room for {room_mb} MB, expected {self._least_mb}")
+            room = self.kept.make_folder()
+            if room // MB < self._least_mb:
+                raise EdgeVoxError(f"record: room for {room // MB} MB, expected {self._least_mb}")
+            most = used_bytes(self.kept.folder) + room
             process = self._process = subprocess.Popen(
-                [*self._command, "--most", str(room_mb)],
+                [*self._command, "--most", f"{most / MB:g}"],
                 stdin=subprocess.PIPE,
                 stdout=subprocess.DEVNULL,
                 stderr=subprocess.PIPE,

@@ -11,10 +11,11 @@ from edgevox.core.status import Finding, HealthCheck, Level, Status, lives, move
 from edgevox.ros2.contract import RECORDER_NODE
 from edgevox.ros2.node import RosNode
 from edgevox.ros2.recorder.definitions import definition
-from edgevox.ros2.recorder.disk import Disk, WriteQueue, Writing
+from edgevox.ros2.recorder.disk import WriteQueue, Writing
 from edgevox.ros2.recorder.mcap import RecordedMessage
 from edgevox.ros2.recorder.mend import mend_recordings
 from edgevox.ros2.recorder.recorded_topics import Recorded, message_class
+from edgevox.ros2.recorder.room import Disk
 
 log = get_logger(__name__)
 
@@ -79,6 +80,8 @@ class Recorder:
             well="records",
             written_messages=self.written,
             dropped_messages=sum(self.dropped.values()),
+            used_bytes=self._writing.room.used_bytes,
+            free_bytes=self._writing.room.free_bytes,
         )
 
     @property

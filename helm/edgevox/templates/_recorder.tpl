@@ -6,11 +6,21 @@
 {{- $robot := mergeOverwrite (deepCopy .robot) (dict "llm" $none "settings" (dict)) -}}
 {{- range $name, $value := $own }}{{ $_ := set $robot $name $value }}{{ end -}}
 {{- $_ := set $robot "security" (dict "enabled" .robot.security.enabled "enclave" "") -}}
-{{- $_ := set $robot "settings" (dict "EDGEVOX_HEALTH_PORT" 8010 "EDGEVOX_METRICS_PORT" 0) -}}
+{{- $_ := set $robot "settings" (dict "EDGEVOX_HEALTH_PORT" (int .robot.recorder.healthPort) "EDGEVOX_METRICS_PORT" 0) -}}
+{{- $kept := .robot.recorder -}}
+{{- if and (eq $kept.whenFull "ring") (lt (int $kept.mostMb) (mul 2 (int $kept.fileMb) | int)) -}}
+{{- fail (printf "recorder.mostMb: got %d, expected at least twice fileMb, %d" (int $kept.mostMb) (mul 2 (int $kept.fileMb))) -}}
+{{- end }}
 - name: recorder
   image: {{ include "edgevox.image" .root | quote }}
   imagePullPolicy: {{ .root.Values.image.pullPolicy }}
-  args: [edgevox-recorder, --output, /recordings]
+  args:
+    - edgevox-recorder
+    - --output=/recordings
+    - --most={{ int $kept.mostMb }}
+    - --max-size={{ int $kept.fileMb }}
+    - --spare={{ int $kept.spareMb }}
+    - --when-full={{ $kept.whenFull }}
   securityContext:
     allowPrivilegeEscalation: false
     readOnlyRootFilesystem: true

@@ -2,6 +2,7 @@
 
 import os
 import subprocess
+from pathlib import Path
 from typing import Any
 
 import helm_python as helm
@@ -10,6 +11,8 @@ import yaml
 from chart_rig import ONE, chart, environment, objects, pods, solo, validate
 
 from edgevox.apps.container import prepared
+from edgevox.apps.recorder import parse_arguments
+from edgevox.ros2.recordings import WhenFull
 from edgevox.ros2.robot_file.load import load_robot_file
 
 EXAMPLES = sorted(
@@ -105,7 +108,12 @@ def test_a_recorder_is_beside_its_robot_with_a_claim_of_its_own() -> None:
     (claim,) = workload["spec"]["volumeClaimTemplates"]
     given, of_robot = ({e["name"]: e["value"] for e in c["env"]} for c in (recorder, robot))
 
-    assert recorder["args"] == ["edgevox-recorder", "--output", "/recordings"]
+    program, *arguments = recorder["args"]
+    assert program == "edgevox-recorder"
+    told = parse_arguments(arguments)
+    assert told.output == Path("/recordings")
+    assert (told.most_mb, told.max_size_mb, told.spare_mb) == (9000, 256, 500)
+    assert told.when_full is WhenFull.RING
     assert recorder["securityContext"] == robot["securityContext"]
     assert {"name": "recordings", "mountPath": "/recordings"} in recorder["volumeMounts"]
     assert claim["metadata"]["name"] == "recordings"
@@ -116,6 +124,19 @@ def test_a_recorder_is_beside_its_robot_with_a_claim_of_its_own() -> None:
     assert given["EDGEVOX_HEALTH_PORT"] != of_robot["EDGEVOX_HEALTH_PORT"]
     prepared(given, pytest.fail)
     assert len(solo()["containers"]) == 1
+
+
+def test_the_bounds_and_the_port_of_a_recorder_are_values() -> None:
+    def recorder(**values: Any) -> dict[str, Any]:
+        return pods(ONE | {"recorder": {"enabled": True, **values}})["solo"]["containers"][1]
+
+    made = recorder(mostMb=700, fileMb=50, spareMb=1, whenFull="wait", healthPort=8123)
+    told = parse_arguments(made["args"][1:])
+    assert (told.most_mb, told.max_size_mb, told.spare_mb) == (700, 50, 1)
+    assert told.when_full is WhenFull.WAIT
+    assert environment({"containers": [made]})["EDGEVOX_HEALTH_PORT"] == "8123"
+    with pytest.raises(helm.HelmError, match=r"recorder.mostMb: got 300, expected at least twice"):
+        recorder(mostMb=300)
 
 
 def test_a_recorder_has_nothing_of_what_its_robot_is_made_of() -> None:

@@ -18,9 +18,10 @@ from waiting import wait_until
 from edgevox.core.errors import InvalidValue
 from edgevox.ros2.contract import PUBLISHED, SUBSCRIBED
 from edgevox.ros2.recorder.definitions import DefinitionMissing, definition, type_hash
-from edgevox.ros2.recorder.disk import Disk, WriteQueue, Writing
+from edgevox.ros2.recorder.disk import WriteQueue, Writing
 from edgevox.ros2.recorder.mcap import Bag, McapFile, RecordedMessage
 from edgevox.ros2.recorder.recorded_topics import choose_topics
+from edgevox.ros2.recorder.room import Disk
 from edgevox.ros2.standard_topics import AUDIO, INTEROP
 
 (TEXT,) = choose_topics("/robot1", ["response"])
@@ -197,7 +198,7 @@ def test_a_write_that_fails_loses_one_file_only_up_to_its_last_flush(recording, 
 
 def test_all_files_together_tell_when_they_have_what_they_may(tmp_path):
     inbox = WriteQueue()
-    disk = Disk(tmp_path / "bag", most_bytes=3_000, spare_bytes=0, total_bytes=8_000)
+    disk = Disk(tmp_path / "edgevox-1", most_bytes=3_000, spare_bytes=0, total_bytes=8_000)
     writing = Writing(inbox, disk, flush_s=0.02)
     writing.start()
     said_so_far = 0
