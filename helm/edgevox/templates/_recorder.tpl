@@ -28,8 +28,21 @@
       drop: [ALL]
   env:
     {{- include "edgevox.environment" (dict "root" .root "robot" $robot "robots" .robots) | trim | nindent 4 }}
+  # A recorder that is frozen starts again and mends its files. A full disk does not end it: see its log and metrics.
+  livenessProbe:
+    {{- if .robot.hostNetwork }}
+    exec:
+      command: [edgevox-health, --live]
+    {{- else }}
+    httpGet:
+      path: /live
+      port: {{ int $kept.healthPort }}
+    {{- end }}
+    periodSeconds: 10
+    timeoutSeconds: 3
+    failureThreshold: 6
   resources:
-    {{- toYaml .robot.recorder.resources | nindent 4 }}
+    {{- toYaml $kept.resources | nindent 4 }}
   volumeMounts:
     - name: tmp
       mountPath: /tmp

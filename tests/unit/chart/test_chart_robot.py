@@ -135,6 +135,7 @@ def test_the_bounds_and_the_port_of_a_recorder_are_values() -> None:
     assert (told.most_mb, told.max_size_mb, told.spare_mb) == (700, 50, 1)
     assert told.when_full is WhenFull.WAIT
     assert environment({"containers": [made]})["EDGEVOX_HEALTH_PORT"] == "8123"
+    assert made["livenessProbe"]["httpGet"] == {"path": "/live", "port": 8123}
     with pytest.raises(helm.HelmError, match=r"recorder.mostMb: got 300, expected at least twice"):
         recorder(mostMb=300)
 
