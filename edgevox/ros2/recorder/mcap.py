@@ -19,6 +19,7 @@ from typing import IO, cast
 from mcap.writer import Writer
 
 from edgevox import __version__
+from edgevox.core.files.atomic_file import sync_folder
 from edgevox.ros2.recorder.definitions import definition, type_hash
 from edgevox.ros2.recorder.mend import mend_files
 from edgevox.ros2.recorder.metadata import FileInfo, RecordingInfo, TopicInfo, qos_yaml
@@ -165,6 +166,7 @@ class Bag:
         self._ended_bytes = 0
         self._file: McapFile | None = None
         folder.mkdir(parents=True)
+        sync_folder(folder.parent)
         self._lock = hold(folder)
 
     @property

@@ -57,9 +57,9 @@ class Recorder:
 
     def close(self) -> None:
         """Receive nothing more, and write the rest."""
+        self._closing.set()
         self.ros.close()
         self._writing.close()
-        self._closing.set()
         if self._mending.is_alive():
             self._mending.join()
 

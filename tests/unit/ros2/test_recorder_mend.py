@@ -186,9 +186,9 @@ def test_a_name_is_given_after_the_bytes_are_synced_and_the_metadata_last(tmp_pa
         rename(old, new)
 
     rename = os.replace
+    bag = Bag(tmp_path / NAME, 1 << 30)
     monkeypatch.setattr(os, "fsync", sync)
     monkeypatch.setattr(os, "replace", replace)
-    bag = Bag(tmp_path / NAME, 1 << 30)
     bag.write([said(1)], {})
     bag.end_file({})
     bag.close()
