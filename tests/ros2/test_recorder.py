@@ -29,7 +29,7 @@ from rosbags.highlevel import AnyReader
 from waiting import Heard, wait_until
 
 from edgevox.ros2.recorder.disk import FLUSH_S
-from edgevox.ros2.recordings import finished, opened
+from edgevox.ros2.recordings import file_number, finished, opened
 
 RECORDER = str(Path(sys.executable).with_name("edgevox-recorder"))
 SCENARIOS = Path(__file__).parents[2] / "scenarios"
@@ -240,6 +240,21 @@ def chunk_ends(files):
             chunks = StreamReader(stream, emit_chunks=True).records
             ends.extend(stream.tell() for one in chunks if isinstance(one, Chunk))
     return ends
+
+
+@pytest.mark.long
+def test_a_ring_goes_on_for_ever_in_the_room_that_it_has(robot, recorder, far):
+    room = ("--most", "0.08", "--max-size", "0.03", "--spare", "0", "--when-full", "ring")
+    one = recorder(*room, "--topics", "scan", "robot_state", "pose", "/tf").wait_until_it_records()
+    robot.send("text_input", f"go to the {far}")
+
+    def first():
+        return min((file_number(file.name) for file in one.files()), default=0)
+
+    wait_until(lambda: first() >= 2, "that two files went", ROOM_FOR_EVENTS)
+    assert one.end() == 0, one.lines
+    assert first() >= 2
+    assert count_in(one.folder) == flushed(finished(one.folder))
 
 
 @pytest.mark.long
