@@ -43,7 +43,7 @@ def folders(output: Path) -> list[Path]:
 
 def used_bytes(output: Path) -> int:
     """The bytes of all recordings in a folder, with those that are written or broken."""
-    return sum(size_bytes(file) for folder in folders(output) for file in folder.iterdir())
+    return sum(size_bytes(file) for folder in folders(output) for file in _in(folder))
 
 
 def file_number(name: str) -> int:
@@ -54,12 +54,12 @@ def file_number(name: str) -> int:
 
 def opened(folder: Path) -> list[Path]:
     """The files of a recording that were not finished, in their order."""
-    return _in_order(folder.glob(f"*.mcap{OPEN}"))
+    return _in(folder, f".mcap{OPEN}")
 
 
 def finished(folder: Path) -> list[Path]:
     """The files of a recording that are whole, in their order."""
-    return _in_order(folder.glob("*.mcap"))
+    return _in(folder, ".mcap")
 
 
 def give_name(file: Path) -> None:
@@ -98,7 +98,7 @@ def held(folder: Path) -> Iterator[bool]:
 
 def removable(folder: Path) -> Sequence[Path]:
     """The files of a recording that may go for others, the oldest first."""
-    return _in_order([*finished(folder), *folder.glob(f"*.mcap{BROKEN}")])
+    return _in(folder, ".mcap", f".mcap{BROKEN}")
 
 
 def remove(file: Path) -> None:
@@ -112,5 +112,10 @@ def remove(file: Path) -> None:
         file.parent.rmdir()
 
 
-def _in_order(files: Iterator[Path] | list[Path]) -> list[Path]:
-    return sorted(files, key=lambda file: (file_number(file.name), file.name))
+def _in(folder: Path, *ends: str) -> list[Path]:
+    """The files of a recording with one of these ends, or all; none if it was removed just now."""
+    try:
+        found = [file for file in folder.iterdir() if not ends or file.name.endswith(ends)]
+    except FileNotFoundError:
+        return []
+    return sorted(found, key=lambda file: (file_number(file.name), file.name))
