@@ -8,10 +8,11 @@ signal.signal(signal.SIGTERM, lambda *_: over.set())
 output = Path(sys.argv[sys.argv.index("--output") + 1])
 bag = output / f"edgevox-20261123-1400{len(list(output.iterdir())):02}"
 bag.mkdir()
-def write(content):  # at once: who sees the file sees all that is in it
+def write(content, name):  # at once: who sees the file sees all that is in it
     (bag / "new").write_bytes(content)
-    (bag / "new").rename(bag / f"{bag.name}_0.mcap")
-write(b"begun")
+    (bag / "new").rename(bag / name)
+write(b"begun", f"{bag.name}_0.mcap.open")
 over.wait()
-write(b"whole")
+write(b"whole", f"{bag.name}_0.mcap.open")
+(bag / f"{bag.name}_0.mcap.open").rename(bag / f"{bag.name}_0.mcap")
 """

@@ -26,6 +26,7 @@ from edgevox.core.settings import Settings, load_settings
 from edgevox.core.status import Components
 from edgevox.ops.health import Health
 from edgevox.ros2 import split_ros_args
+from edgevox.ros2.recordings import PREFIX, WhenFull, used_bytes
 from edgevox.scenario import Scenario, load_scenario, run_scenario
 from edgevox.scenario.run import StepResult, heading, line, summary
 
@@ -54,7 +55,9 @@ class RecorderArguments:
     max_size_mb: float
     spare_mb: float
     most_mb: float | None
+    when_full: WhenFull
     duration_s: float | None
+    mend: bool
     scenario: Path | None
     wait_s: float
     ros_args: tuple[str, ...]
@@ -64,14 +67,19 @@ def parse_arguments(argv: Sequence[str]) -> RecorderArguments:
     """Read a command line. Raises `InvalidValue`; ends the process for what makes no sense."""
     own, ros = split_ros_args(argv)
     arguments = _parser().parse_args(own)
+    most = None if arguments.most is None else _at_least("most", arguments.most, 0.01)
+    if most is not None and arguments.when_full is WhenFull.RING:  # the open file never goes
+        _at_least("most", most, 2 * arguments.max_size)
     return RecorderArguments(
         load_settings(given_flags(arguments), arguments.config),
         arguments.output,
         tuple(arguments.topics),
         _at_least("max_size", arguments.max_size, 0.01),
         _at_least("spare", arguments.spare, 0),
-        None if arguments.most is None else _at_least("most", arguments.most, 0.01),
+        most,
+        arguments.when_full,
         arguments.duration,
+        arguments.mend,
         arguments.scenario,
         arguments.wait,
         tuple(ros),
@@ -124,11 +132,23 @@ def _parser() -> argparse.ArgumentParser:
         "--most",
         type=float,
         metavar="MB",
-        help="stop recording when all files together have this size; a scenario"
-        " still plays to its end",
+        help="size limit of all recordings in DIR together [default: none]",
+    )
+    parser.add_argument(
+        "--when-full",
+        type=WhenFull,
+        choices=tuple(WhenFull),
+        default=WhenFull.END,
+        help="at --most: end (a scenario still plays to its end); wait for room; or ring:"
+        " remove the oldest finished files, also for --spare [default: end]",
     )
     what = parser.add_mutually_exclusive_group()
     what.add_argument("--duration", type=float, metavar="S", help="end after this many seconds")
+    what.add_argument(
+        "--mend",
+        action="store_true",
+        help="record nothing: only mend what earlier recorders left unfinished in DIR",
+    )
     what.add_argument(
         "--scenario",
         type=Path,
@@ -180,6 +200,8 @@ def _prepare(argv: Sequence[str], lost: list[str]) -> Callable[[], bool]:
     for module, what in (("rclpy", "ROS 2 Jazzy"), ("mcap", install_extra("recorder"))):
         if find_spec(module) is None:
             raise EdgeVoxError(f"{module}: got no module, expected {what}")
+    if asked.mend:
+        return lambda: _mend(asked.output)
     secure_ros2("edgevox-recorder", asked.settings)
     scenario = load_scenario(asked.scenario) if asked.scenario else None
     from edgevox.ros2.recorder import choose_topics
@@ -188,13 +210,29 @@ def _prepare(argv: Sequence[str], lost: list[str]) -> Callable[[], bool]:
     return lambda: _record(asked, scenario, lost)
 
 
+def _mend(output: Path) -> bool:
+    from edgevox.ros2.recorder import mend_recordings
+
+    mend_recordings(output, lambda: False)
+    return True
+
+
 def _record(asked: RecorderArguments, scenario: Scenario | None, lost: list[str]) -> bool:
     from edgevox.ros2.recorder import Disk, Recorder, choose_topics
 
     namespace = asked.settings.agent_namespace
-    folder = asked.output / f"edgevox-{datetime.now(UTC):%Y%m%d-%H%M%S}"
+    folder = asked.output / f"{PREFIX}{datetime.now(UTC):%Y%m%d-%H%M%S}"
     most = None if asked.most_mb is None else round(asked.most_mb * MB)
-    disk = Disk(folder, round(asked.max_size_mb * MB), round(asked.spare_mb * MB), most)
+    disk = Disk(
+        folder,
+        round(asked.max_size_mb * MB),
+        round(asked.spare_mb * MB),
+        most,
+        asked.when_full,
+    )
+    if disk.when_full is WhenFull.END and most is not None and used_bytes(asked.output) >= most:
+        used = used_bytes(asked.output) / MB
+        raise InvalidValue("most", asked.most_mb, f"more than the {used:g} MB in {asked.output}")
     topics = choose_topics(namespace, asked.topics)
     try:
         with ExitStack() as stack, ShutdownSignals(asked.settings.leave_s):

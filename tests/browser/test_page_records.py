@@ -53,7 +53,7 @@ def test_it_is_begun_ended_taken_home_and_removed(
     take_the_turn(page)
     page.get_by_role("button", name="Start recording").click()
     page.get_by_role("button", name="Stop recording").wait_for()
-    wait_until(lambda: list(recorder.kept.folder.glob("*/*.mcap")))
+    wait_until(lambda: list(recorder.kept.folder.glob("*/*.mcap.open")))
     page.get_by_role("button", name="Stop recording").click()
     with page.expect_download() as begun:
         page.get_by_role("link", name="edgevox-20261123-140000_0.mcap").click()
@@ -71,7 +71,7 @@ def test_no_press_beside_a_file_deletes_it_nor_does_a_key_that_is_held(
     browser: Browser, rig: Rig, recorder: RobotRecorder
 ) -> None:
     recorder.start()
-    wait_until(lambda: list(recorder.kept.folder.glob("*/*.mcap")))
+    wait_until(lambda: list(recorder.kept.folder.glob("*/*.mcap.open")))
     recorder.stop()
     page = opened(browser, rig, Role.OPERATOR)
     take_the_turn(page)
@@ -102,7 +102,7 @@ def test_it_tells_when_it_was_begun_how_large_it_is_and_what_room_is_left(
     expect(page.get_by_text(re.compile(r"^[\d,]+ MB left\.$"))).to_be_visible()
     recorder.start()
     expect(page.get_by_text(re.compile(r"^0\.0 MB so far\. [\d,]+ MB left\.$"))).to_be_visible()
-    wait_until(lambda: list(recorder.kept.folder.glob("*/*.mcap")))
+    wait_until(lambda: list(recorder.kept.folder.glob("*/*.mcap.open")))
     recorder.stop()
     expect(page.locator(".files li")).to_contain_text("Nov 23, 2026")
     expect(page.locator(".files li")).to_contain_text("0.0 MB")
@@ -123,7 +123,7 @@ def test_whatever_a_page_shows_it_says_that_what_is_said_is_kept(
     expect(page.locator(".toasts")).to_contain_text(page_words("records_now"))
     assert page.evaluate("document.documentElement.scrollWidth") == 390
     assert problems(page) == []
-    wait_until(lambda: list(recorder.kept.folder.glob("*/*.mcap")))
+    wait_until(lambda: list(recorder.kept.folder.glob("*/*.mcap.open")))
     page.reload()
     expect(sign).to_be_visible()
     recorder.stop()
@@ -165,7 +165,7 @@ def test_who_only_watches_sees_that_it_records_and_gets_no_files(
     browser: Browser, rig: Rig, recorder: RobotRecorder
 ) -> None:
     recorder.start()
-    wait_until(lambda: list(recorder.kept.folder.glob("*/*.mcap")))
+    wait_until(lambda: list(recorder.kept.folder.glob("*/*.mcap.open")))
     page = opened(browser, rig, Role.VIEWER)
     expect(page.get_by_role("button", name="Stop recording")).to_be_disabled()
     recorder.stop()

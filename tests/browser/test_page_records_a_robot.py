@@ -95,7 +95,7 @@ def _topics(folder: Path) -> set[str]:
     """Those of which a message is in the file, which may have no end yet."""
     channels: dict[int, str] = {}
     heard: set[str] = set()
-    for file in folder.glob("*/*.mcap"):
+    for file in folder.glob("*/*.mcap.open"):
         with suppress(EndOfFile), file.open("rb") as stream:
             for record in StreamReader(stream).records:
                 if isinstance(record, Channel):

@@ -8,6 +8,9 @@ import subprocess
 import pytest
 from stacks import BASE, ROOT
 
+from edgevox.apps.recorder import parse_arguments
+from edgevox.ros2.recordings import WhenFull
+
 ANYWHERE = "0.0.0.0"  # noqa: S104 - within the network of a project
 BY_DIGEST = r"([a-z]+/)?[a-z]+:v?[0-9.]+(-alpine)?@sha256:[0-9a-f]{64}"
 
@@ -73,6 +76,19 @@ def test_recordings_go_with_keys_from_outside_as_the_recorders_own_user():
     assert told["recordings"]["secrets"][0]["source"] == "recordings_config"
     assert not [name for name in told["recordings"]["environment"] if "KEY" in name]
     assert {m["source"] for m in told["recordings"]["volumes"]} == {"recordings"}
+
+
+def test_recordings_have_a_bound_and_their_recorder_a_port_that_can_be_set():
+    told = parse_arguments(services("recorder")["recorder"]["command"][1:])
+    assert (told.most_mb, told.max_size_mb, told.spare_mb) == (10_000, 256, 500)
+    assert told.when_full is WhenFull.RING
+    sizes = {"RECORDER_MOST_MB": "9", "RECORDER_FILE_MB": "4", "RECORDER_SPARE_MB": "3"}
+    others = {"RECORDER_WHEN_FULL": "wait", "RECORDER_HEALTH_PORT": "8123"}
+    recorder = services("recorder", **sizes, **others)["recorder"]
+    told = parse_arguments(recorder["command"][1:])
+    assert (told.most_mb, told.max_size_mb, told.spare_mb) == (9, 4, 3)
+    assert told.when_full is WhenFull.WAIT
+    assert recorder["environment"]["EDGEVOX_HEALTH_PORT"] == "8123"
 
 
 @pytest.mark.parametrize("name", ["grafana", "prometheus"])

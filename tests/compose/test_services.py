@@ -28,7 +28,7 @@ def test_a_recorder_on_the_hosts_network_hears_a_robot_there(tmp_path):
 
         def records() -> bool:
             sizes = one.execute(
-                "recorder", "bash", "-c", "cat $(find /recordings -name '*.mcap') | wc -c"
+                "recorder", "bash", "-c", "cat $(find /recordings -name '*.mcap.open') | wc -c"
             )
             return int(sizes) > ENOUGH_BYTES
 

@@ -20,7 +20,6 @@ TABLE = proofs()
 SHOWN = {command: page for page in reversed(PAGES) for command in commands(page)}
 NEEDS = {
     "PyTorch",
-    "a broken recording",
     "a cluster",
     "a package index",
     "a registry",

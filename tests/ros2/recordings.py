@@ -1,5 +1,6 @@
 """What is in a recording while it is written."""
 
+import struct
 import time
 
 from mcap import records
@@ -21,7 +22,7 @@ def texts_of(path):
                     found.setdefault(channels[record.channel_id], []).append(
                         (record.log_time, text)
                     )
-    except EndOfFile:
+    except (EndOfFile, struct.error):
         pass
     return found
 

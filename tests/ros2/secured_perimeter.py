@@ -216,7 +216,7 @@ def test_a_recorder_keeps_what_it_may_hear(domain, keystore, tools, tmp_path):
         program=RECORDER,
     )  # fmt: skip
     recorder.wait_for_line("recording ")
-    files = partial((tmp_path / "bags").rglob, "*.mcap")
+    files = partial((tmp_path / "bags").rglob, "*.mcap.open")
     until_recorded(tools, files, ["response", "odom"])
     assert recorder.terminate() == 0
     (folder,) = (tmp_path / "bags").iterdir()

@@ -110,6 +110,8 @@ def test_a_recorder_counts_what_is_on_the_disk(resident, tmp_path) -> None:
     try:
         told = scrape_until(port, lambda s: s.get(("edgevox_recorded_messages_total",), 0) > 5)
         assert told[("edgevox_dropped_total", "recorder")] == 0
+        assert told[("edgevox_recordings_bytes",)] > 0
+        assert told[("edgevox_recordings_free_bytes",)] > 0
         assert told[("edgevox_ready",)] == 1
         assert told[("edgevox_build_info", "edgevox-recorder", "en", __version__)] == 1
         assert not any(name[0].startswith("edgevox_turn") for name in told)

@@ -5,10 +5,12 @@ import os
 import re
 import resource
 import signal
+import struct
 import subprocess
 import sys
 import threading
 from collections import Counter
+from contextlib import suppress
 from functools import partial
 from pathlib import Path
 
@@ -16,6 +18,10 @@ import phrases
 import pytest
 import yaml
 from guards import HUNG_S
+from mcap.exceptions import EndOfFile
+from mcap.reader import make_reader
+from mcap.records import Chunk
+from mcap.stream_reader import StreamReader
 from peer import STATE
 from recordings import texts_of, until_recorded
 from robot_states import far_room
@@ -23,6 +29,7 @@ from rosbags.highlevel import AnyReader
 from waiting import Heard, wait_until
 
 from edgevox.ros2.recorder.disk import FLUSH_S
+from edgevox.ros2.recordings import file_number, finished, opened
 
 RECORDER = str(Path(sys.executable).with_name("edgevox-recorder"))
 SCENARIOS = Path(__file__).parents[2] / "scenarios"
@@ -47,8 +54,11 @@ class Recorder:
         self._reader.start()
 
     def wait_until_it_records(self):
-        self._printed.wait_for(lambda line: line.startswith("recording "))
+        self.wait_until_it_says("recording ")
         return self
+
+    def wait_until_it_says(self, text):
+        self._printed.wait_for(lambda line: text in line)
 
     @property
     def lines(self):
@@ -56,11 +66,12 @@ class Recorder:
 
     @property
     def folder(self):
-        (folder,) = self.output.iterdir()
+        *_, folder = sorted(self.output.iterdir())
         return folder
 
     def files(self):
-        return sorted(self.folder.glob("*.mcap"))
+        """Those that are whole, and the one that is written, in their order."""
+        return [*finished(self.folder), *opened(self.folder)]
 
     def end(self, number=signal.SIGTERM):
         if self.process.poll() is None:
@@ -192,17 +203,74 @@ def test_when_it_is_killed_all_that_it_flushed_is_there_and_a_full_file_is_follo
     texts = {topic for file in one.files() for topic in texts_of(file)}
     assert texts == {"/edgevox/scan", "/edgevox/robot_state", "/edgevox/pose", "/tf"}
 
+    folder, there = one.folder, flushed(one.files())
+    next_one = recorder("--output", str(one.output)).wait_until_it_records()
+    wait_until((folder / "metadata.yaml").exists, "the mended recording")
+    assert next_one.end() == 0, next_one.lines
+    assert not opened(folder)
+    assert count_in(folder) == flushed(finished(folder)) == there
+
+
+def flushed(files):
+    """How many messages there are of each topic in these files, which may have no end."""
+    found = Counter()
+    for file in files:
+        found.update({topic: len(rows) for topic, rows in texts_of(file).items()})
+    return found
+
+
+def test_a_file_that_was_cut_inside_a_chunk_is_mended_by_the_next_recorder(recorder):
+    one = recorder().wait_until_it_records()
+    wait_until(lambda: len(chunk_ends(one.files())) > 2, "three chunks")
+    assert one.end(signal.SIGKILL) == -signal.SIGKILL
+    folder, (file,) = one.folder, one.files()
+    os.truncate(file, chunk_ends([file])[-1] - 10)  # as a power cut may leave it
+    there = texts_of(file)
+    mending = recorder("--output", str(one.output), "--mend")
+    assert mending.wait() == 0
+    assert any("recording_mended" in line for line in mending.lines)
+    (whole,) = finished(folder)
+    with whole.open("rb") as stream:
+        read = Counter(channel.topic for _, channel, _ in make_reader(stream).iter_messages())
+    assert read == {topic: len(rows) for topic, rows in there.items()} == count_in(folder)
+
+
+def chunk_ends(files):
+    """Where the chunks of a file end."""
+    ends = []
+    for file in files:
+        with file.open("rb") as stream, suppress(EndOfFile, struct.error):
+            chunks = StreamReader(stream, emit_chunks=True).records
+            ends.extend(stream.tell() for one in chunks if isinstance(one, Chunk))
+    return ends
+
+
+@pytest.mark.long
+def test_a_ring_goes_on_for_ever_in_the_room_that_it_has(robot, recorder, far):
+    room = ("--most", "0.08", "--max-size", "0.03", "--spare", "0", "--when-full", "ring")
+    one = recorder(*room, "--topics", "scan", "robot_state", "pose", "/tf").wait_until_it_records()
+    robot.send("text_input", f"go to the {far}")
+
+    def first():
+        return min((file_number(file.name) for file in one.files()), default=0)
+
+    wait_until(lambda: first() >= 2, "that two files went", ROOM_FOR_EVENTS)
+    assert one.end() == 0, one.lines
+    assert first() >= 2
+    assert count_in(one.folder) == flushed(finished(one.folder))
+
 
 @pytest.mark.long
 def test_a_disk_that_takes_no_more_is_said_and_costs_no_more_than_the_exit_code(recorder):
     def small_files():
-        resource.setrlimit(resource.RLIMIT_FSIZE, (20_000, 20_000))
+        resource.setrlimit(resource.RLIMIT_FSIZE, (60_000, 60_000))
 
-    one = recorder("--duration", "6", preexec_fn=small_files).wait_until_it_records()
-    assert one.wait() == 74
+    one = recorder(preexec_fn=small_files)
+    one.wait_until_it_says("recording_stopped")
+    assert one.end() == 74
     assert any("recording_stopped" in line and "File too large" in line for line in one.lines)
     assert one.lines[-1].startswith("edgevox-recorder: not all was recorded: ")
-    assert texts_of(one.files()[0])["/edgevox/robot_state"]
+    assert any("/edgevox/robot_state" in texts_of(file) for file in one.files())
 
 
 def test_a_scenario_that_comes_true_ends_with_0_and_is_recorded(agent, recorder_of, domain):

@@ -7,7 +7,7 @@ import subprocess
 import sys
 import threading
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from datetime import datetime
 from enum import StrEnum
@@ -21,6 +21,7 @@ from edgevox.core.files.user_file import size_bytes
 from edgevox.core.log import get_logger
 from edgevox.core.settings import Settings
 from edgevox.ros2.contract import RECORDER_NODE
+from edgevox.ros2.recordings import PREFIX, finished, folders, opened, remove, used_bytes
 
 log = get_logger(__name__)
 
@@ -33,15 +34,14 @@ SPARE_MB = 500
 class KeptRecordings:
     """A folder with one of its own for each recording. Any thread; nothing goes by itself.
 
+    A file is offered once it is whole, which its name says.
+
     most_bytes: how many all recordings have together at most.
     """
 
     def __init__(self, folder: Path, most_bytes: int) -> None:
         self.folder = folder
         self._most_bytes = most_bytes
-        self._lock = threading.Lock()
-        self._earlier: frozenset[Path] | None = None
-        """Folders that existed before the current recording; None without one."""
 
     def make_folder(self) -> int:
         """Have the folder; the bytes that a new recording has room for. Raises `EdgeVoxError`."""
@@ -50,16 +50,6 @@ class KeptRecordings:
             return self._room()
         except OSError as error:
             raise EdgeVoxError(f"record: {self.folder}: {error.strerror or error}") from None
-
-    def begin(self) -> None:
-        """Another is written from now on: it is not offered before `end`."""
-        with self._lock:
-            self._earlier = frozenset(self.folder.iterdir())
-
-    def end(self) -> None:
-        """Note that the recording is complete."""
-        with self._lock:
-            self._earlier = None
 
     def room(self) -> int:
         """Return the bytes that are left for recordings.
@@ -73,15 +63,19 @@ class KeptRecordings:
 
     def begun_bytes(self) -> int:
         """Return the size of the current recording."""
-        over = set(self.files())
-        return sum(size_bytes(one) for one in self._found() if one not in over)
+        return sum(
+            size_bytes(one) for folder in folders(self.folder)[-1:] for one in opened(folder)
+        )
 
     def files(self) -> Sequence[Path]:
         """Return the complete recordings, the newest first."""
-        with self._lock:
-            earlier = self._earlier
-        found = (one for one in self._found() if earlier is None or one.parent in earlier)
-        return sorted(found, key=lambda file: file.name, reverse=True)
+        return [
+            one for folder in reversed(folders(self.folder)) for one in reversed(finished(folder))
+        ]
+
+    def unfinished(self) -> bool:
+        """Whether there are files that are written, or were left unfinished."""
+        return any(opened(folder) for folder in folders(self.folder))
 
     def told(self) -> list[Mapping[str, Any]]:
         """The same as pages are told it: name, bytes, and when it was begun if that is known."""
@@ -95,25 +89,20 @@ class KeptRecordings:
         """Remove the recording of this file. Raises `EdgeVoxError`."""
         for file in self.files():
             if file.name == name:
-                file.unlink(missing_ok=True)
-                if not any(file.parent.glob("*.mcap")):
-                    shutil.rmtree(file.parent, ignore_errors=True)
+                remove(file)
                 return
         raise EdgeVoxError(f"record: {name!r} is no recording")
-
-    def _found(self) -> Iterator[Path]:
-        return (file for file in self.folder.glob("edgevox-*/*.mcap") if file.is_file())
 
     def _room(self) -> int:
         near = next(one for one in (self.folder, *self.folder.parents) if one.exists())
         free = shutil.disk_usage(near).free - SPARE_MB * MB
-        return min(free, self._most_bytes - sum(size_bytes(one) for one in self._found()))
+        return min(free, self._most_bytes - used_bytes(self.folder))
 
 
 def _begun(file: Path) -> float | None:
     """Seconds since 1970, by the name of its folder, which is in UTC."""
     try:
-        return datetime.strptime(f"{file.parent.name}Z", "edgevox-%Y%m%d-%H%M%S%z").timestamp()
+        return datetime.strptime(f"{file.parent.name}Z", f"{PREFIX}%Y%m%d-%H%M%S%z").timestamp()
     except ValueError:
         return None
 
@@ -162,8 +151,9 @@ class RobotRecorder:
         self.environment = environment
         self._least_mb = min(LEAST_MB, settings.console_recordings_mb)
         self._leave_s = settings.leave_s
+        self._program = [sys.executable, "-P", "-c", PROGRAM, "--output", str(folder)]
         self._command = [
-            *(sys.executable, "-P", "-c", PROGRAM, "--output", str(folder)),
+            *self._program,
             *("--agent-namespace", settings.agent_namespace),
             *("--duration", f"{LONGEST_S:g}", "--spare", str(SPARE_MB)),
             *("--max-size", str(MOST_FILE_MB)),
@@ -172,6 +162,7 @@ class RobotRecorder:
         self._lock = threading.Lock()
         self._listeners: list[Callable[[bool], None]] = []
         self._process: subprocess.Popen[str] | None = None
+        self._mender: subprocess.Popen[bytes] | None = None
         self._since_s = 0.0
         self._why = ""
 
@@ -186,17 +177,35 @@ class RobotRecorder:
         self._listeners.append(listener)
         return lambda: self._listeners.remove(listener)
 
+    def mend(self) -> None:
+        """Have the files mended that an earlier agent left unfinished. Raises `OSError`."""
+        if self.kept.unfinished():
+            self._mender = subprocess.Popen(
+                [*self._program, "--mend"],
+                stdin=subprocess.PIPE,
+                stdout=subprocess.DEVNULL,
+                env=dict(self.environment),
+            )
+
+    def close(self) -> None:
+        """End what it records; mending goes on at the next start."""
+        self.stop()
+        if self._mender:
+            self._mender.terminate()
+            with self._mender:
+                pass
+
     def start(self) -> None:
         """Begin a recording. Raises `EdgeVoxError`, `OSError`."""
         with self._lock:
             if self._process:
                 raise EdgeVoxError("record: it records already")
-            room_mb = self.kept.make_folder() // MB
-            if room_mb < self._least_mb:
-                raise EdgeVoxError(f"record: room for {room_mb} MB, expected {self._least_mb}")
-            self.kept.begin()
+            room = self.kept.make_folder()
+            if room // MB < self._least_mb:
+                raise EdgeVoxError(f"record: room for {room // MB} MB, expected {self._least_mb}")
+            most = used_bytes(self.kept.folder) + room
             process = self._process = subprocess.Popen(
-                [*self._command, "--most", str(room_mb)],
+                [*self._command, "--most", f"{most / MB:g}"],
                 stdin=subprocess.PIPE,
                 stdout=subprocess.DEVNULL,
                 stderr=subprocess.PIPE,
@@ -270,7 +279,6 @@ class RobotRecorder:
             its = self._process is process
             if its:
                 self._process = None
-                self.kept.end()
             if its or not self._process:  # the next one is not told what became of this one
                 self._why = why or self._why
         if its:

@@ -60,7 +60,8 @@ def _open(own: ExitStack, parts: AgentParts) -> "ConsoleServer":
         sound = share_sound(own, parts)
         recorder = open_recorder(parts.settings, recordings_folder(parts.settings))
         if isinstance(recorder, RobotRecorder):
-            own.callback(recorder.stop)
+            own.callback(recorder.close)
+            recorder.mend()
         server = open_console(build_context(parts, sound, recorder), parts.settings, folder)
         own.callback(server.close)
     except OSError as error:

@@ -20,7 +20,7 @@ def write_atomically(file: Path, text: str, mode: int = PRIVATE) -> None:
     except OSError:
         partial.unlink(missing_ok=True)
         raise
-    _sync_folder(file.parent)
+    sync_folder(file.parent)
 
 
 def _write(file: Path, data: bytes, mode: int) -> None:
@@ -32,7 +32,7 @@ def _write(file: Path, data: bytes, mode: int) -> None:
         os.fsync(stream.fileno())
 
 
-def _sync_folder(folder: Path) -> None:
+def sync_folder(folder: Path) -> None:
     """Make sure that the new name is on the disk as well."""
     number = os.open(folder, os.O_RDONLY | os.O_DIRECTORY | os.O_CLOEXEC)
     try:

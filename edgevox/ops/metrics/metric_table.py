@@ -277,6 +277,20 @@ _READ = (
         read={"": "recorder.written_messages"},
     ),
     Metric(
+        "edgevox_recordings_bytes",
+        Kind.GAUGE,
+        "Size of all recordings in the recorder's folder",
+        of="the recorder",
+        read={"": "recorder.used_bytes"},
+    ),
+    Metric(
+        "edgevox_recordings_free_bytes",
+        Kind.GAUGE,
+        "Free space on the disk of the recordings",
+        of="the recorder",
+        read={"": "recorder.free_bytes"},
+    ),
+    Metric(
         "edgevox_failures_total",
         Kind.COUNTER,
         "Errors that a part recovered from",

@@ -8,12 +8,13 @@ import shutil
 import threading
 from collections import Counter
 from collections.abc import Callable
-from dataclasses import dataclass
 from pathlib import Path
 
 from edgevox.core.clock import Clock, SystemClock
 from edgevox.core.log import get_logger
 from edgevox.ros2.recorder.mcap import Bag, RecordedMessage
+from edgevox.ros2.recorder.room import Disk, Room
+from edgevox.ros2.recordings import WhenFull
 
 log = get_logger(__name__)
 
@@ -60,22 +61,8 @@ class WriteQueue:
 FLUSH_S = 0.4
 """A message older than this, and a moment, is in the file."""
 RETRY_S = 5.0
-MB = 1_000_000
 FULL = frozenset({errno.ENOSPC, errno.EDQUOT})
 """The file can go on as soon as there is room. After any other error it is left as it is."""
-
-
-@dataclass(frozen=True)
-class Disk:
-    """The folder to write to, and the limits on its files."""
-
-    folder: Path
-    most_bytes: int = 256 * MB
-    """The largest size of one file."""
-    spare_bytes: int = 100 * MB
-    """Free space that is left to others."""
-    total_bytes: int | None = None
-    """The recording is `full` once all its files have this size; None for no limit."""
 
 
 class Writing:
@@ -99,14 +86,17 @@ class Writing:
         self._inbox = inbox
         self._disk = disk
         self._clock = clock or SystemClock()
-        self._free_bytes = free_bytes
         self._flush_s = flush_s
         self._retry_s = retry_s
         self._retry_at_s = 0.0
         self.bag = Bag(disk.folder, disk.most_bytes)
+        self.room = Room(disk, self.bag, self._clock, free_bytes)
         self.fault = ""
         self.full = threading.Event()
-        """Set once it has all the bytes that it may have; it goes on until it is closed."""
+        """Set once recordings that are to `END` then have all the bytes that they may have.
+
+        It goes on until it is closed.
+        """
         self.written = 0
         self._held: list[RecordedMessage] = []
         """Messages that the bag has, and the disk has not taken yet."""
@@ -134,6 +124,7 @@ class Writing:
         self._round()
         if not self._try(lambda: self.bag.end_file(self._notes())):
             self._lose_file()
+        self._try(self.bag.close)
 
     def _round(self) -> None:
         """Write the messages since the last round, after those that could not be written before."""
@@ -156,8 +147,7 @@ class Writing:
     def _wrote(self) -> None:
         self.written += len(self._held)
         self._held = []
-        most = self._disk.total_bytes
-        if most is not None and self.bag.size >= most:
+        if self._disk.when_full is WhenFull.END and self.room.over:
             self.full.set()
 
     def _lose_file(self) -> None:
@@ -170,15 +160,14 @@ class Writing:
         if self.fault and self._clock.now() < self._retry_at_s:
             return False
         try:
-            free = self._free_bytes(self._disk.folder)
+            why = self.room.find()
         except OSError as error:
             self._stop(str(error))
             return False
-        if free < self._disk.spare_bytes:
+        if why:
             if not self.fault:
                 self._try(lambda: self.bag.end_file(self._notes()))
-            left, spare = free // MB, self._disk.spare_bytes // MB
-            self._stop(f"the disk is full: {left} MB are left, {spare} MB are for others")
+            self._stop(why)
             return False
         return True
 

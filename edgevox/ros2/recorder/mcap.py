@@ -6,121 +6,25 @@ no flush: a killed process would lose up to a megabyte, a full disk would leave 
 files would not be split.
 
 `Bag` is a recording: a folder of MCAP files that follow each other, with the `metadata.yaml` of
-rosbag2.
+rosbag2. Each has its name only once it is whole (`recordings`).
 """
 
 import os
 from collections.abc import Sequence
 from contextlib import suppress
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
-from typing import IO, Any, cast
+from typing import IO, cast
 
-import yaml
 from mcap.writer import Writer
 
 from edgevox import __version__
-from edgevox.core.files.atomic_file import PUBLIC, write_atomically
-from edgevox.ros2.contract_rows import QosSpec
+from edgevox.core.files.atomic_file import sync_folder
 from edgevox.ros2.recorder.definitions import definition, type_hash
+from edgevox.ros2.recorder.mend import mend_files
+from edgevox.ros2.recorder.metadata import FileInfo, RecordingInfo, TopicInfo, qos_yaml
 from edgevox.ros2.recorder.recorded_topics import Recorded
-
-NAME = "metadata.yaml"
-VERSION = 9
-"""The version of rosbag2's format in Jazzy."""
-_FOR_EVER = {"sec": 9223372036, "nsec": 854775807}
-
-
-@dataclass
-class FileInfo:
-    """The contents of one file."""
-
-    name: str
-    first_ns: int = 0
-    last_ns: int = 0
-    counts: dict[Recorded, int] = field(default_factory=dict)
-
-    @property
-    def messages(self) -> int:
-        """The number of messages in it."""
-        return sum(self.counts.values())
-
-    def count(self, topic: Recorded, when_ns: int) -> None:
-        """Add one message."""
-        self.first_ns = min(self.first_ns or when_ns, when_ns)
-        self.last_ns = max(self.last_ns, when_ns)
-        self.counts[topic] = self.counts.get(topic, 0) + 1
-
-
-def qos_yaml(qos: QosSpec) -> str:
-    """An offered quality of service, as a channel of an MCAP file names it."""
-    return yaml.safe_dump([_qos(qos)], sort_keys=False)
-
-
-def write_metadata(folder: Path, files: Sequence[FileInfo]) -> None:
-    """Write it for these finished files; it is whole or as it was. Raises `OSError`."""
-    text = yaml.safe_dump({"rosbag2_bagfile_information": _describe(files)}, sort_keys=False)
-    write_atomically(folder / NAME, text, PUBLIC)
-
-
-def _describe(files: Sequence[FileInfo]) -> dict[str, Any]:
-    heard = [one for one in files if one.messages]
-    first_ns = min((one.first_ns for one in heard), default=0)
-    last_ns = max((one.last_ns for one in heard), default=0)
-    counts: dict[Recorded, int] = {}
-    for one in files:
-        for topic, number in one.counts.items():
-            counts[topic] = counts.get(topic, 0) + number
-    return {
-        "version": VERSION,
-        "storage_identifier": "mcap",
-        **_span(first_ns, last_ns),
-        "message_count": sum(counts.values()),
-        "topics_with_message_count": [
-            {"topic_metadata": _topic(topic), "message_count": number}
-            for topic, number in counts.items()
-        ],
-        "compression_format": "",
-        "compression_mode": "",
-        "relative_file_paths": [one.name for one in files],
-        "files": [
-            {"path": one.name, **_span(one.first_ns, one.last_ns), "message_count": one.messages}
-            for one in files
-        ],
-        "custom_data": None,
-        "ros_distro": os.environ.get("ROS_DISTRO", "jazzy"),
-    }
-
-
-def _span(first_ns: int, last_ns: int) -> dict[str, Any]:
-    return {
-        "starting_time": {"nanoseconds_since_epoch": first_ns},
-        "duration": {"nanoseconds": last_ns - first_ns},
-    }
-
-
-def _topic(topic: Recorded) -> dict[str, Any]:
-    return {
-        "name": topic.name,
-        "type": topic.type,
-        "serialization_format": "cdr",
-        "offered_qos_profiles": [_qos(topic.qos)],
-        "type_description_hash": type_hash(topic.type),
-    }
-
-
-def _qos(qos: QosSpec) -> dict[str, Any]:
-    return {
-        "history": "keep_last",
-        "depth": qos.depth,
-        "reliability": "reliable" if qos.reliable else "best_effort",
-        "durability": "transient_local" if qos.transient_local else "volatile",
-        "deadline": dict(_FOR_EVER),
-        "lifespan": dict(_FOR_EVER),
-        "liveliness": "automatic",
-        "liveliness_lease_duration": dict(_FOR_EVER),
-        "avoid_ros_namespace_conventions": False,
-    }
+from edgevox.ros2.recordings import OPEN, give_name, hold
 
 
 @dataclass(frozen=True, slots=True)
@@ -166,17 +70,19 @@ class McapFile:
     """A new file; after an `OSError` of `flush` or `finish` it holds the earlier flushes.
 
     Bytes that could not be flushed are kept: a later `flush` or `finish` brings them to the disk.
+    It is written under `open_path`; whoever finished it gives it its name.
     """
 
     def __init__(self, path: Path) -> None:
-        self.path = path
+        self.open_path = path.with_name(f"{path.name}{OPEN}")
         self.info = FileInfo(path.name)
         self._buffer = _Buffer()
         self._writer = Writer(cast("IO[bytes]", self._buffer))
         self._channels: dict[str, int] = {}
+        self._topics: dict[str, TopicInfo] = {}
         self._schemas: dict[str, int] = {}
         self._sequence: dict[str, int] = {}
-        self._file = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o644)
+        self._file = os.open(self.open_path, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o644)
         self.size = 0
         self.ended = False
         """Whether its end was written, though perhaps not to the disk yet."""
@@ -195,7 +101,7 @@ class McapFile:
             publish_time=message.sent_ns,
             sequence=self._sequence[name],
         )
-        self.info.count(message.topic, message.received_ns)
+        self.info.count(self._topics[name], message.received_ns, message.received_ns)
 
     def flush(self) -> None:
         """Bring the messages to the file, so that they survive a kill of the process."""
@@ -223,10 +129,9 @@ class McapFile:
         if topic.type not in self._schemas:
             text = definition(topic.type).encode()
             self._schemas[topic.type] = self._writer.register_schema(topic.type, "ros2msg", text)
-        about = {
-            "offered_qos_profiles": qos_yaml(topic.qos),
-            "topic_type_hash": type_hash(topic.type),
-        }
+        told = TopicInfo(topic.name, topic.type, qos_yaml(topic.qos), type_hash(topic.type))
+        self._topics[topic.name] = told
+        about = {"offered_qos_profiles": told.qos, "topic_type_hash": told.type_hash}
         return self._writer.register_channel(topic.name, "cdr", self._schemas[topic.type], about)
 
     def _to_disk(self) -> None:
@@ -246,17 +151,23 @@ class McapFile:
 
 
 class Bag:
-    """Begins another file when one is full. Every method but `lose_file` may raise `OSError`."""
+    """Begins another file when one is full. Every method but `lose_file` may raise `OSError`.
+
+    Its folder is locked until it is closed, so that no other recorder mends its files.
+    """
 
     def __init__(self, folder: Path, most_bytes: int) -> None:
         self.folder = folder
         self._most_bytes = most_bytes
-        self._finished: list[FileInfo] = []
+        self._info = RecordingInfo()
+        self._unnamed: list[Path] = []
+        """Files that are whole, and have not got their names yet."""
         self._begun = 0
         self._ended_bytes = 0
-        self._told = True
         self._file: McapFile | None = None
         folder.mkdir(parents=True)
+        sync_folder(folder.parent)
+        self._lock = hold(folder)
 
     @property
     def files(self) -> int:
@@ -265,7 +176,7 @@ class Bag:
 
     @property
     def size(self) -> int:
-        """The bytes of all its files on the disk."""
+        """The bytes that were written, also of files that have gone since."""
         return self._ended_bytes + (self._file.size if self._file else 0)
 
     def open(self) -> None:
@@ -293,8 +204,8 @@ class Bag:
             self.end_file(notes)
         elif self._file is not None:
             self._file.flush()
-        if not self._told:
-            self._tell()
+        if self._unnamed:
+            self._name()
 
     def end_file(self, notes: dict[str, str]) -> None:
         """Close the file that is open, if there is one, with `notes`; `write` begins another."""
@@ -303,17 +214,18 @@ class Bag:
             return
         if not file.info.messages:  # nothing is lost with it
             self.lose_file()
-            file.path.unlink(missing_ok=True)
+            file.open_path.unlink(missing_ok=True)
             self._ended_bytes -= file.size
             return
         file.finish(notes)
         self._file = None
         self._ended_bytes += file.size
-        self._finished.append(file.info)
-        self._tell()
+        self._info.add(file.info)
+        self._unnamed.append(file.open_path)
+        self._name()
 
     def lose_file(self) -> None:
-        """Give up the file that is open: what was flushed stays in it."""
+        """Give up the file that is open: what was flushed stays in it, for `close` to mend."""
         file, self._file = self._file, None
         if file is None:
             return
@@ -321,9 +233,26 @@ class Bag:
         with suppress(OSError):
             file.abandon()
             if not file.size:
-                file.path.unlink()
+                file.open_path.unlink()
 
-    def _tell(self) -> None:
-        self._told = False
-        write_metadata(self.folder, self._finished)
-        self._told = True
+    def remove(self, file: Path) -> None:
+        """Remove one of its finished files; `metadata.yaml` will not name it."""
+        self._info.remove(file.name)
+        self._info.write(self.folder)
+        file.unlink(missing_ok=True)
+
+    def close(self) -> None:
+        """Mend the files that were lost, and write `metadata.yaml`. The last call."""
+        lock, self._lock = self._lock, None
+        try:
+            mend_files(self.folder)
+        finally:
+            if lock is not None:
+                os.close(lock)
+
+    def _name(self) -> None:
+        # The list of files first: after a kill, a file with its name may have been moved away.
+        self._info.write(self.folder)
+        while self._unnamed:
+            give_name(self._unnamed[0])
+            self._unnamed.pop(0)

@@ -11,15 +11,17 @@ from edgevox.core.status import Finding, HealthCheck, Level, Status, lives, move
 from edgevox.ros2.contract import RECORDER_NODE
 from edgevox.ros2.node import RosNode
 from edgevox.ros2.recorder.definitions import definition
-from edgevox.ros2.recorder.disk import Disk, WriteQueue, Writing
+from edgevox.ros2.recorder.disk import WriteQueue, Writing
 from edgevox.ros2.recorder.mcap import RecordedMessage
+from edgevox.ros2.recorder.mend import mend_recordings
 from edgevox.ros2.recorder.recorded_topics import Recorded, message_class
+from edgevox.ros2.recorder.room import Disk
 
 log = get_logger(__name__)
 
 
 class Recorder:
-    """Records topics from `start` to `close`.
+    """Records topics from `start` to `close`, and mends what earlier recorders left unfinished.
 
     A topic whose type is not installed is left out and reported. Raises `RosBridgeFailed` if ROS 2
     does not work, `EdgeVoxError` if the folder cannot be made.
@@ -39,17 +41,27 @@ class Recorder:
             self._writing = Writing(self._inbox, disk)
         except OSError as error:
             raise EdgeVoxError(f"output: {disk.folder}: {error.strerror or error}") from None
+        self._closing = threading.Event()
+        self._mending = threading.Thread(
+            target=mend_recordings,
+            args=(disk.folder.parent, self._closing.is_set),
+            name="edgevox-mending",
+        )
         self.ros = RosNode(namespace, ros_args, name=RECORDER_NODE)
         self.topics = tuple(topic for topic in topics if self._listen(topic))
 
     def start(self) -> None:
         self._writing.start()
+        self._mending.start()
         self.ros.start()
 
     def close(self) -> None:
         """Receive nothing more, and write the rest."""
+        self._closing.set()
         self.ros.close()
         self._writing.close()
+        if self._mending.is_alive():
+            self._mending.join()
 
     @property
     def checks(self) -> Sequence[HealthCheck]:
@@ -68,6 +80,8 @@ class Recorder:
             well="records",
             written_messages=self.written,
             dropped_messages=sum(self.dropped.values()),
+            used_bytes=self._writing.room.used_bytes,
+            free_bytes=self._writing.room.free_bytes,
         )
 
     @property

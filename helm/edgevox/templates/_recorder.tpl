@@ -6,11 +6,21 @@
 {{- $robot := mergeOverwrite (deepCopy .robot) (dict "llm" $none "settings" (dict)) -}}
 {{- range $name, $value := $own }}{{ $_ := set $robot $name $value }}{{ end -}}
 {{- $_ := set $robot "security" (dict "enabled" .robot.security.enabled "enclave" "") -}}
-{{- $_ := set $robot "settings" (dict "EDGEVOX_HEALTH_PORT" 8010 "EDGEVOX_METRICS_PORT" 0) -}}
+{{- $_ := set $robot "settings" (dict "EDGEVOX_HEALTH_PORT" (int .robot.recorder.healthPort) "EDGEVOX_METRICS_PORT" 0) -}}
+{{- $kept := .robot.recorder -}}
+{{- if and (eq $kept.whenFull "ring") (lt (int $kept.mostMb) (mul 2 (int $kept.fileMb) | int)) -}}
+{{- fail (printf "recorder.mostMb: got %d, expected at least twice fileMb, %d" (int $kept.mostMb) (mul 2 (int $kept.fileMb))) -}}
+{{- end }}
 - name: recorder
   image: {{ include "edgevox.image" .root | quote }}
   imagePullPolicy: {{ .root.Values.image.pullPolicy }}
-  args: [edgevox-recorder, --output, /recordings]
+  args:
+    - edgevox-recorder
+    - --output=/recordings
+    - --most={{ int $kept.mostMb }}
+    - --max-size={{ int $kept.fileMb }}
+    - --spare={{ int $kept.spareMb }}
+    - --when-full={{ $kept.whenFull }}
   securityContext:
     allowPrivilegeEscalation: false
     readOnlyRootFilesystem: true
@@ -18,8 +28,21 @@
       drop: [ALL]
   env:
     {{- include "edgevox.environment" (dict "root" .root "robot" $robot "robots" .robots) | trim | nindent 4 }}
+  # A recorder that is frozen starts again and mends its files. A full disk does not end it: see its log and metrics.
+  livenessProbe:
+    {{- if .robot.hostNetwork }}
+    exec:
+      command: [edgevox-health, --live]
+    {{- else }}
+    httpGet:
+      path: /live
+      port: {{ int $kept.healthPort }}
+    {{- end }}
+    periodSeconds: 10
+    timeoutSeconds: 3
+    failureThreshold: 6
   resources:
-    {{- toYaml .robot.recorder.resources | nindent 4 }}
+    {{- toYaml $kept.resources | nindent 4 }}
   volumeMounts:
     - name: tmp
       mountPath: /tmp
@@ -42,12 +65,13 @@
   image: {{ $upload.image | quote }}
   imagePullPolicy: IfNotPresent
   command: [sh, -c]
-  # As in compose/recordings.yml. A file that is still written to is younger than a minute.
+  # As in compose/recordings.yml. What has its own name is whole and never changes.
   args:
     - >-
       while true; do
-      rclone --config /run/secrets/rclone/rclone.conf "$UPLOAD_VERB" /recordings "$UPLOAD_TO"
-      --min-age 1m --include '*.{mcap,yaml}' --immutable --s3-no-check-bucket --log-level NOTICE;
+      if rclone --config /run/secrets/rclone/rclone.conf "$UPLOAD_VERB" /recordings "$UPLOAD_TO"
+      --include '*.{mcap,yaml}' --immutable --s3-no-check-bucket --log-level NOTICE;
+      then rm -f "$XDG_CACHE_HOME/failed"; else touch "$XDG_CACHE_HOME/failed"; fi;
       sleep "$UPLOAD_EVERY_S"; done
   env:
     - {name: UPLOAD_VERB, value: {{ ternary "move" "copy" $upload.move }}}

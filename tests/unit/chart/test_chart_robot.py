@@ -1,5 +1,8 @@
 """What a robot of one's own needs of the chart: its files, plug-ins, recorder and alerts."""
 
+import os
+import subprocess
+from pathlib import Path
 from typing import Any
 
 import helm_python as helm
@@ -8,6 +11,8 @@ import yaml
 from chart_rig import ONE, chart, environment, objects, pods, solo, validate
 
 from edgevox.apps.container import prepared
+from edgevox.apps.recorder import parse_arguments
+from edgevox.ros2.recordings import WhenFull
 from edgevox.ros2.robot_file.load import load_robot_file
 
 EXAMPLES = sorted(
@@ -103,7 +108,12 @@ def test_a_recorder_is_beside_its_robot_with_a_claim_of_its_own() -> None:
     (claim,) = workload["spec"]["volumeClaimTemplates"]
     given, of_robot = ({e["name"]: e["value"] for e in c["env"]} for c in (recorder, robot))
 
-    assert recorder["args"] == ["edgevox-recorder", "--output", "/recordings"]
+    program, *arguments = recorder["args"]
+    assert program == "edgevox-recorder"
+    told = parse_arguments(arguments)
+    assert told.output == Path("/recordings")
+    assert (told.most_mb, told.max_size_mb, told.spare_mb) == (9000, 256, 500)
+    assert told.when_full is WhenFull.RING
     assert recorder["securityContext"] == robot["securityContext"]
     assert {"name": "recordings", "mountPath": "/recordings"} in recorder["volumeMounts"]
     assert claim["metadata"]["name"] == "recordings"
@@ -114,6 +124,20 @@ def test_a_recorder_is_beside_its_robot_with_a_claim_of_its_own() -> None:
     assert given["EDGEVOX_HEALTH_PORT"] != of_robot["EDGEVOX_HEALTH_PORT"]
     prepared(given, pytest.fail)
     assert len(solo()["containers"]) == 1
+
+
+def test_the_bounds_and_the_port_of_a_recorder_are_values() -> None:
+    def recorder(**values: Any) -> dict[str, Any]:
+        return pods(ONE | {"recorder": {"enabled": True, **values}})["solo"]["containers"][1]
+
+    made = recorder(mostMb=700, fileMb=50, spareMb=1, whenFull="wait", healthPort=8123)
+    told = parse_arguments(made["args"][1:])
+    assert (told.most_mb, told.max_size_mb, told.spare_mb) == (700, 50, 1)
+    assert told.when_full is WhenFull.WAIT
+    assert environment({"containers": [made]})["EDGEVOX_HEALTH_PORT"] == "8123"
+    assert made["livenessProbe"]["httpGet"] == {"path": "/live", "port": 8123}
+    with pytest.raises(helm.HelmError, match=r"recorder.mostMb: got 300, expected at least twice"):
+        recorder(mostMb=300)
 
 
 def test_a_recorder_has_nothing_of_what_its_robot_is_made_of() -> None:
@@ -177,7 +201,7 @@ def test_recordings_go_to_object_storage_by_the_command_that_compose_has(version
     compose = yaml.safe_load((chart.CHART.parents[1] / "compose/recordings.yml").read_text())
     service = compose["services"]["recordings"]
     (script,) = service["command"]
-    script = script.replace("$$RECORDINGS_", "$UPLOAD_")
+    script = script.replace("$$RECORDINGS_", "$UPLOAD_").replace("$$", "$")
     assert made["args"] == [
         script.replace("secrets/recordings_config", "secrets/rclone/rclone.conf")
     ]
@@ -195,6 +219,42 @@ def test_recordings_go_to_object_storage_by_the_command_that_compose_has(version
         one for one in pods(ONE | UPLOAD)["solo"]["containers"] if one["name"] == "recorder"
     ]
     assert all(one["name"] != "upload-config" for one in recorder["volumeMounts"])
+
+
+UPLOADER = """#!/bin/sh
+echo "$@" >>"$LOG"
+[ "$(wc -l <"$LOG")" -gt 1 ]
+"""
+"""In the place of rclone: its first run fails."""
+
+
+def test_an_upload_that_failed_is_told_until_one_succeeds(tmp_path) -> None:
+    (made,) = upload_of(ONE | UPLOAD)
+    (tmp_path / "rclone").write_text(UPLOADER)
+    (tmp_path / "sleep").write_text('#!/bin/sh\necho "$1" >"$WAITS"\nread _ <"$GO"\n')
+    for name in ("rclone", "sleep"):
+        (tmp_path / name).chmod(0o755)
+    for name in ("waits", "go"):
+        os.mkfifo(tmp_path / name)
+    given = {one["name"]: one["value"] for one in made["env"]} | {
+        "PATH": f"{tmp_path}:{os.environ['PATH']}",
+        "LOG": str(tmp_path / "log"),
+        "WAITS": str(tmp_path / "waits"),
+        "GO": str(tmp_path / "go"),
+        "XDG_CACHE_HOME": str(tmp_path),
+    }
+    told = []
+    with subprocess.Popen([*made["command"], *made["args"]], env=given) as process:
+        for _ in range(2):
+            assert (tmp_path / "waits").read_text() == "60\n"
+            told.append((tmp_path / "failed").exists())
+            if len(told) == 2:
+                process.kill()
+            (tmp_path / "go").write_text("\n")
+    assert told == [True, False]
+    first = (tmp_path / "log").read_text().splitlines()[0]
+    assert " copy /recordings store:robots/solo --include *.{mcap,yaml} --immutable " in first
+    assert "min-age" not in first
 
 
 def test_nothing_is_uploaded_unless_it_is_said_where_and_by_what() -> None:

@@ -13,7 +13,10 @@ from datetime import UTC, datetime
 import aiohttp
 import pytest
 from logs_rig import logging_to_memory
+from mcap.reader import make_reader
+from rclpy.serialization import serialize_message
 from recorder_program import RECORDS
+from std_msgs.msg import String
 from support.clock import HeldClock
 from waiting import wait_until
 
@@ -24,6 +27,8 @@ from edgevox.console.site import PAGE
 from edgevox.core.errors import EdgeVoxError
 from edgevox.core.languages import LANGUAGES
 from edgevox.core.settings import load_settings
+from edgevox.ros2.recorder.mcap import Bag, RecordedMessage
+from edgevox.ros2.recorder.recorded_topics import choose_topics
 from tests.console_rig import console
 
 FAILS = "import sys; print('warning', file=sys.stderr); sys.exit('output: disk full')"
@@ -40,9 +45,9 @@ def recorder(tmp_path, monkeypatch):
 
 def record(recorder):
     """Begin, wait until something is there, and end."""
-    before = set(recorder.kept.folder.glob("*/*.mcap"))
+    before = set(recorder.kept.folder.glob("*/*.mcap.open"))
     recorder.start()
-    wait_until(lambda: set(recorder.kept.folder.glob("*/*.mcap")) - before)
+    wait_until(lambda: set(recorder.kept.folder.glob("*/*.mcap.open")) - before)
     hidden = recorder.files()
     recorder.stop()
     return hidden
@@ -123,7 +128,7 @@ def test_a_recording_may_have_the_room_that_there_is(tmp_path, monkeypatch):
 
 def test_while_it_records_a_disk_that_is_full_is_told(recorder, monkeypatch):
     recorder.start()
-    wait_until(lambda: list(recorder.kept.folder.glob("*/*.mcap")))
+    wait_until(lambda: list(recorder.kept.folder.glob("*/*.mcap.open")))
     state = recorder.state()
     assert (state["bytes"], state["full"]) == (len(b"begun"), False)
     monkeypatch.setattr(shutil, "disk_usage", lambda _: Usage(10**12, 10**12, 499_000_000))
@@ -180,6 +185,23 @@ def test_a_recorder_whose_agent_is_gone_ends_as_if_it_were_asked_to():
         assert process.poll() is None
         process.stdin.close()  # as the kernel does for an agent that was killed
         assert process.wait() == -signal.SIGTERM
+
+
+def test_what_a_killed_agent_left_is_offered_once_it_is_mended(tmp_path):
+    live = Bag(tmp_path / "live" / "edgevox-20261123-140000", 1 << 30)
+    (topic,) = choose_topics("/robot1", ["response"])
+    live.write([RecordedMessage(topic, serialize_message(String(data="hi")), 1, 1)], {})
+    shutil.copytree(live.folder, tmp_path / "recordings" / live.folder.name)  # as a kill leaves it
+    live.close()
+    recorder = RobotRecorder(load_settings({}), tmp_path / "recordings", os.environ)
+    assert recorder.files() == []
+    recorder.mend()
+    wait_until(recorder.files)
+    recorder.close()
+    (file,) = recorder.files()
+    with file.open("rb") as stream:
+        assert make_reader(stream).get_summary().statistics.message_count == 1
+    assert not recorder.kept.unfinished()
 
 
 def test_where_nothing_can_be_recorded_it_says_what_is_missing(tmp_path, monkeypatch):
@@ -291,7 +313,7 @@ def test_the_log_has_who_began_ended_took_and_deleted_a_recording(recorder, tmp_
                 await page.ask(type="lease", action="take")
                 await page.ask(type="record", action="start")
                 await asyncio.to_thread(
-                    wait_until, lambda: list(recorder.kept.folder.glob("*/*.mcap"))
+                    wait_until, lambda: list(recorder.kept.folder.glob("*/*.mcap.open"))
                 )
                 await page.ask(type="record", action="stop")
                 (file,) = recorder.files()

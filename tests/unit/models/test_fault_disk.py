@@ -22,9 +22,11 @@ from edgevox.core.cancel import CancelToken
 from edgevox.models import StoreNotWritable, fetch
 from edgevox.models.source_specs import WheelSource
 from edgevox.models.sources.tools import place_for
-from edgevox.ros2.recorder.disk import Disk, WriteQueue, Writing
+from edgevox.ros2.recorder.disk import WriteQueue, Writing
 from edgevox.ros2.recorder.mcap import RecordedMessage
+from edgevox.ros2.recorder.mend import mend_files
 from edgevox.ros2.recorder.recorded_topics import choose_topics
+from edgevox.ros2.recorder.room import Disk
 from edgevox.voice.audio import Chunk
 from edgevox.voice.sinks.paced import PacedSink
 from edgevox.voice.sinks.wav_file import RATE_HZ, RETRY_S, WavFile
@@ -76,8 +78,7 @@ def test_a_recording_on_a_full_disk_stays_readable_and_goes_on_when_there_is_roo
     inbox.put(said(2, size=9000))
     wait_until(lambda: writing.fault)
     assert "No space left on device" in writing.fault
-    file = writing.bag.folder / "bag_0.mcap"
-    assert in_file(file) == [1]
+    assert in_file(writing.bag.folder / "bag_0.mcap.open") == [1]
     inbox.put(said(3))  # while nothing can be written
     wait_until(lambda: inbox.dropped)
     disk.free()
@@ -88,7 +89,7 @@ def test_a_recording_on_a_full_disk_stays_readable_and_goes_on_when_there_is_roo
     with Reader(writing.bag.folder) as bag:
         assert [int(raw[8:].split(b" ")[0]) for _, _, raw in bag.messages()] == [1, 2, 4]
     assert inbox.dropped == {"/robot1/response": 1}
-    assert b"dropped /robot1/response" in file.read_bytes()
+    assert b"dropped /robot1/response" in (writing.bag.folder / "bag_0.mcap").read_bytes()
 
 
 def test_a_recording_that_ends_on_a_full_disk_keeps_what_was_written(recording, disk):
@@ -99,9 +100,14 @@ def test_a_recording_that_ends_on_a_full_disk_keeps_what_was_written(recording, 
     inbox.put(said(2, size=9000))
     wait_until(lambda: writing.fault)
     writing.close()
-    assert in_file(writing.bag.folder / "bag_0.mcap") == [1]
+    assert not list(writing.bag.folder.glob("*.mcap"))
+    assert in_file(writing.bag.folder / "bag_0.mcap.open") == [1]
     assert inbox.dropped == {"/robot1/response": 1}
     assert writing.alive
+    disk.free()
+    mend_files(writing.bag.folder)
+    with Reader(writing.bag.folder) as bag:
+        assert [int(raw[8:].split(b" ")[0]) for _, _, raw in bag.messages()] == [1]
 
 
 def test_speech_into_a_file_on_a_full_disk_is_dropped_and_goes_on_when_there_is_room(disk, caplog):

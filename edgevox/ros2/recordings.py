@@ -1,0 +1,121 @@
+"""The folders of recordings: the names of their files, their bytes, and which goes first.
+
+A recording is a folder `edgevox-TIME`. What is being written, or was left so, ends with `.open`:
+`edgevox-TIME_0.mcap.open`, `metadata.yaml.open`. A file gets its own name in one step, once all of
+it is on the disk. `.broken` is at the end of a file in which nothing can be read. Whoever writes to
+a folder, or mends or removes what is in it, holds its lock, which ends with the process.
+"""
+
+import fcntl
+import os
+import re
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager, suppress
+from enum import StrEnum
+from pathlib import Path
+
+from edgevox.core.files.atomic_file import sync_folder
+from edgevox.core.files.user_file import size_bytes
+
+PREFIX = "edgevox-"
+"""The beginning of a recording's name. Folders with other names are not looked at."""
+OPEN = ".open"
+BROKEN = ".broken"
+METADATA = "metadata.yaml"
+_NUMBER = re.compile(r"_(\d+)\.mcap")
+
+
+class WhenFull(StrEnum):
+    """What happens once all recordings together have the bytes that they may have."""
+
+    END = "end"
+    """The recording ends."""
+    WAIT = "wait"
+    """Nothing is recorded until files were moved away."""
+    RING = "ring"
+    """The oldest finished files are removed, also where the disk has no room to spare."""
+
+
+def folders(output: Path) -> list[Path]:
+    """The recordings in a folder, the oldest first; none where there is no such folder."""
+    return sorted(one for one in output.glob(f"{PREFIX}*") if one.is_dir())
+
+
+def used_bytes(output: Path) -> int:
+    """The bytes of all recordings in a folder, with those that are written or broken."""
+    return sum(size_bytes(file) for folder in folders(output) for file in _in(folder))
+
+
+def file_number(name: str) -> int:
+    """The place of a file in its recording."""
+    found = _NUMBER.search(name)
+    return int(found[1]) if found else 0
+
+
+def opened(folder: Path) -> list[Path]:
+    """The files of a recording that were not finished, in their order."""
+    return _in(folder, f".mcap{OPEN}")
+
+
+def finished(folder: Path) -> list[Path]:
+    """The files of a recording that are whole, in their order."""
+    return _in(folder, ".mcap")
+
+
+def give_name(file: Path) -> None:
+    """Take `.open` off the name of a file that is whole and on the disk. Raises `OSError`."""
+    os.replace(file, file.with_suffix(""))
+    sync_folder(file.parent)
+
+
+def hold(folder: Path) -> int | None:
+    """Lock a recording; its lock ends when this file is closed. None where another has it.
+
+    Raises `OSError`.
+    """
+    number = os.open(folder, os.O_RDONLY | os.O_DIRECTORY | os.O_CLOEXEC)
+    try:
+        fcntl.flock(number, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        os.close(number)
+        return None
+    except OSError:
+        os.close(number)
+        raise
+    return number
+
+
+@contextmanager
+def held(folder: Path) -> Iterator[bool]:
+    """Lock a recording for a while; False where another has it. Raises `OSError`."""
+    number = hold(folder)
+    try:
+        yield number is not None
+    finally:
+        if number is not None:
+            os.close(number)
+
+
+def removable(folder: Path) -> Sequence[Path]:
+    """The files of a recording that may go for others, the oldest first."""
+    return _in(folder, ".mcap", f".mcap{BROKEN}")
+
+
+def remove(file: Path) -> None:
+    """Remove a file of a finished recording, whose `metadata.yaml` would name it, goes first.
+
+    The files that are left play by themselves. Raises `OSError`.
+    """
+    (file.parent / METADATA).unlink(missing_ok=True)
+    file.unlink(missing_ok=True)
+    with suppress(OSError):  # there are more files
+        file.parent.rmdir()
+
+
+def _in(folder: Path, *ends: str) -> list[Path]:
+    """The files of a recording with one of these ends, or all; none if it was removed just now."""
+    try:
+        found = [file for file in folder.iterdir() if not ends or file.name.endswith(ends)]
+    except FileNotFoundError:
+        return []
+    return sorted(found, key=lambda file: (file_number(file.name), file.name))
