@@ -11,7 +11,7 @@ import { seePanel } from "./see.js";
 import { settingsPanel } from "./settings.js";
 import { stopBar } from "./stop.js";
 import { Store } from "./store.js";
-import { talkPanel } from "./talk.js";
+import { questionCard, talkPanel } from "./talk.js";
 import { loadWords, number, say } from "./words.js";
 
 /** The panels in the order of the tabs; those from `do` on share a place on a desk. */
@@ -77,10 +77,10 @@ function consolePage(store, link) {
     one.prepend(tabBar(choose, ASIDE, "side-switch"));
   }
   const page = h("div", { class: "shell" }, topBar(store, link), noticeBar(store), h("main", { class: "panels" }, ...panels),
-    stopBar(store, link), tabBar(choose, PANELS.map(([name]) => name), "tabs"));
+    h("div", { class: "bottom" }, questionCard(store, link), stopBar(store, link)), tabBar(choose, PANELS.map(([name]) => name), "tabs"));
   document.getElementById("page")?.replaceChildren(page, toasts);
   choose("do");
-  choose(matchMedia("(min-width: 900px)").matches ? "do" : "talk");
+  choose(matchMedia("(min-width: 900px) and (min-height: 520.02px)").matches ? "do" : "talk");
   store.on("link", () => look(link));
   document.addEventListener("visibilitychange", () => look(link));
 }

@@ -39,5 +39,5 @@ export function stopBar(store, link) {
     document.documentElement.classList.toggle("is-stopped", engaged);
   };
   for (const type of ["hello", "stop", "lease", "link"]) store.on(type, show);
-  return h("div", { class: "bottom", role: "region", "aria-label": say("software_stop") }, stopped, button);
+  return h("div", { class: "stop-area", role: "region", "aria-label": say("software_stop") }, stopped, button);
 }

@@ -40,7 +40,6 @@ export function talkPanel(store, link) {
   const turns = new Map();
   const log = h("div", { class: "scroll conversation", role: "log", "aria-label": say("conversation"), tabindex: "0" },
     h("p", { class: "empty" }, say("talk_empty")));
-  const question = questionCard(store, link);
   const input = h("input", { type: "text", maxlength: "500", autocomplete: "off", enterkeyhint: "send",
     placeholder: say("type_here"), "aria-label": say("type_here") });
   const form = h("form", { class: "row tight write" }, input,
@@ -68,7 +67,7 @@ export function talkPanel(store, link) {
     if (bottom) log.scrollTop = log.scrollHeight;
   });
   store.on("event", (event) => event.turn && turns.has(event.turn) && noteEvent(turns.get(event.turn), event));
-  return h("section", { class: "card talk-card" }, log, question, soundButtons(store), form);
+  return h("section", { class: "card talk-card" }, log, soundButtons(store), form);
 }
 
 /** @param {Map<any, Turn>} turns */
@@ -128,11 +127,11 @@ function noteEvent(turn, event) {
 }
 
 /**
- * What the robot asks, with yes and no.
+ * What the robot asks, with yes and no: in sight whatever part is shown.
  * @param {import("./store.js").Store} store
  * @param {import("./link.js").Link} link
  */
-function questionCard(store, link) {
+export function questionCard(store, link) {
   const words = h("p", { class: "fill" });
   const answer = (/** @type {boolean} */ yes) => () => link.send({ type: "answer", yes }).catch(tellRefusal);
   const card = h("div", { class: "question", role: "alert", hidden: true }, words, h("div", { class: "row tight" },
