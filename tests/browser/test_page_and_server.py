@@ -51,7 +51,6 @@ def test_stop_needs_no_turn_and_reaches_the_robot(page: Page, rig: Rig) -> None:
 
 
 def test_words_reach_it_as_an_operators_and_come_back(page: Page, rig: Rig) -> None:
-    take_the_turn(page)
     page.locator(".write input").fill("go to the kitchen")
     page.locator(".write input").press("Enter")
     until(page, lambda: bool(rig.submitted))

@@ -2,7 +2,7 @@
 import { question } from "./ask.js";
 import { certificateLink } from "./certificate.js";
 import { h } from "./dom.js";
-import { onlyWithTurn } from "./lease.js";
+import { onlyWithControl } from "./lease.js";
 import { tellRefusal } from "./notices.js";
 import { LANGUAGES, chooseLanguage, language, say, sayOr } from "./words.js";
 
@@ -29,7 +29,7 @@ export function settingsPanel(store, link) {
       flip(say("muted"), Boolean(c.muted), (on) => set("muted", on)));
   };
   for (const type of ["hello", "controls"]) store.on(type, show);
-  onlyWithTurn(store, fields);
+  onlyWithControl(store, fields);
   const page = choice(say("page_language"), Object.keys(LANGUAGES), language(), named, chooseLanguage);
   const leave = h("button", { type: "button" }, say("log_out"));
   const { element: sure, ask } = question(leave, () => say("log_out"), () =>

@@ -1,5 +1,6 @@
 /** The software stop: a button that is always there, and the space bar. */
 import { h, sign, spaceIsWords } from "./dom.js";
+import { whyNoControl } from "./lease.js";
 import { tellRefusal } from "./notices.js";
 import { say } from "./words.js";
 
@@ -34,8 +35,8 @@ export function stopBar(store, link) {
     const at = since ? new Date(since * 1000).toLocaleTimeString() : "";
     const text = engaged ? [by ? say("stopped_by", { by }) : say("stopped"), at].filter(Boolean).join(" · ") : "";
     if (said.textContent !== text) said.textContent = text;
-    resume.disabled = !store.commands;
-    resume.title = store.commands ? "" : say("needs_turn");
+    resume.disabled = !store.may;
+    resume.title = whyNoControl(store);
     document.documentElement.classList.toggle("is-stopped", engaged);
   };
   for (const type of ["hello", "stop", "lease", "link"]) store.on(type, show);

@@ -32,9 +32,19 @@ export class Store {
     this.listeners = new Map();
   }
 
-  /** Whether this page may command just now. */
+  /** Whether this page has control just now. */
   get commands() {
     return this.link === "ready" && this.role === "operator" && Boolean(this.lease.mine);
+  }
+
+  /** Whether nobody has control, so that this page's first command takes it. */
+  get free() {
+    return this.link === "ready" && this.role === "operator" && !this.lease.holder;
+  }
+
+  /** Whether a command of this page would be taken just now. */
+  get may() {
+    return this.commands || this.free;
   }
 
   /**

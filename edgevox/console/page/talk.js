@@ -1,5 +1,6 @@
 /** The conversation: what was heard, what was decided and how sure, what the robot says. */
-import { h, sign } from "./dom.js";
+import { h, keepFocus, sign } from "./dom.js";
+import { otherHolder } from "./lease.js";
 import { tellRefusal } from "./notices.js";
 import { soundButtons } from "./talk_sound.js";
 import { say, sayOr, number } from "./words.js";
@@ -67,7 +68,24 @@ export function talkPanel(store, link) {
     if (bottom) log.scrollTop = log.scrollHeight;
   });
   store.on("event", (event) => event.turn && turns.has(event.turn) && noteEvent(turns.get(event.turn), event));
-  return h("section", { class: "card talk-card" }, log, soundButtons(store), form);
+  return h("section", { class: "card talk-card" }, log, soundButtons(store, link), composer(store, link, form));
+}
+
+/**
+ * The field for words, or who else has control.
+ * @param {import("./store.js").Store} store
+ * @param {import("./link.js").Link} link
+ * @param {HTMLElement} form
+ */
+function composer(store, link, form) {
+  const viewer = h("p", { class: "hint", hidden: true }, say("viewer"));
+  const box = h("div", { class: "composer" }, form, otherHolder(store, link), viewer);
+  const show = () => keepFocus(box, () => {
+    viewer.hidden = store.role === "operator";
+    form.hidden = store.role !== "operator" || Boolean(store.lease.holder && !store.lease.mine);
+  });
+  for (const type of ["hello", "lease", "link"]) store.on(type, show);
+  return box;
 }
 
 /** @param {Map<any, Turn>} turns */

@@ -245,6 +245,8 @@ class ControlPage:
             done = lease.take(client)
         elif message.action == "request":
             lease.request(client)
+        elif message.action == "withdraw":
+            lease.withdraw(client)
         else:
             done = lease.give(client, message.to)
         self._hub.tell_lease()
