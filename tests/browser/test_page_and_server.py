@@ -62,6 +62,15 @@ def test_words_reach_it_as_an_operators_and_come_back(page: Page, rig: Rig) -> N
     expect(page.locator(".notes")).to_have_text("navigate_to(kitchen) · by a template · 100 % sure")
 
 
+def test_a_page_that_is_loaded_again_shows_the_last_turns(page: Page, rig: Rig) -> None:
+    for turn in range(1, 23):
+        rig.bus.publish(Transcribed(f"sentence {turn}", turn))
+    expect(page.locator(".bubble.mine")).to_have_count(22)
+    page.reload()
+    expect(page.locator(".bubble.mine")).to_have_count(20)
+    expect(page.locator(".bubble.mine").last).to_have_text("sentence 22")
+
+
 def test_the_stick_steers_and_letting_go_halts(page: Page, rig: Rig) -> None:
     take_the_turn(page)
     hold(page)

@@ -166,7 +166,7 @@ def test_a_refusal_says_why(opens: Opens, robot: Robot) -> None:
     page = opens(command=False)
     page.locator(".write input").fill("go")
     page.locator(".write input").press("Enter")
-    expect(page.locator(".toast")).to_have_text(page_words("why_no_lease"))
+    expect(page.locator(".notes")).to_have_text(page_words("why_no_lease"))
 
 
 @pytest.mark.parametrize(
@@ -184,7 +184,7 @@ def test_a_refusal_is_in_the_language_of_the_page(
     page = opens(locale="de-DE")
     page.locator(".write input").fill("go")
     page.locator(".write input").press("Enter")
-    expect(page.locator(".toast")).to_have_text(said)
+    expect(page.locator(".notes")).to_have_text(said)
 
 
 def test_without_a_part_for_sound_the_page_says_so_and_works(opens: Opens, robot: Robot) -> None:

@@ -74,6 +74,7 @@ export class Store {
     else if (type === "stop") this.stop = /** @type {any} */ (rest);
     else if (type === "controls") this.controls = { ...this.controls, ...rest };
     this.tell(type, message);
+    if (type === "hello") for (const past of message.talk ?? []) this.take(past);
   }
 
   /** @param {Record<string, any>} hello */

@@ -338,6 +338,7 @@ class ControlPage:
             "lease": hub.lease_of(self.session),
             "stop": hub.stop_of(),
             "controls": {**told.get("controls", {}), **hub.controls_of()},
+            "talk": hub.last_turns.messages(),
             "recording": hub.context.recorder is not None and hub.context.recorder.running,
         }
         return encode(hello) or "{}"
