@@ -18,7 +18,7 @@ function takesSpace(event) {
  * @param {import("./link.js").Link} link
  */
 export function stopBar(store, link) {
-  const press = () => link.send({ type: "stop" }).catch(tellRefusal);
+  const { press, element: lost } = insistentStop(store, link);
   const button = h("button", { class: "stop", type: "button", "aria-keyshortcuts": "Space" },
     sign("hand"), h("span", { class: "stop-word" }, say("stop")), h("kbd", {}, say("space_bar")));
   button.addEventListener("pointerdown", (event) => event.button === 0 && press());
@@ -40,5 +40,36 @@ export function stopBar(store, link) {
     document.documentElement.classList.toggle("is-stopped", engaged);
   };
   for (const type of ["hello", "stop", "lease", "link"]) store.on(type, show);
-  return h("div", { class: "stop-area", role: "region", "aria-label": say("software_stop") }, stopped, button);
+  return h("div", { class: "stop-area", role: "region", "aria-label": say("software_stop") }, lost, stopped, button);
+}
+
+/**
+ * A stop that did not arrive says so until it does, or until somebody dismisses that. It is sent again when the robot
+ * is back.
+ * @param {import("./store.js").Store} store
+ * @param {import("./link.js").Link} link
+ */
+function insistentStop(store, link) {
+  let owed = false; // it was pressed, and the robot has not answered
+  let refused = false;
+  const close = h("button", { class: "round plain", type: "button", "aria-label": say("close"), onclick: () => settle() }, sign("close"));
+  const element = h("div", { class: "stop-lost", role: "alert", hidden: true }, h("p", {}, say("stop_lost")), close);
+  const show = () => (element.hidden = !owed || (store.link === "ready" && !refused));
+  const settle = () => {
+    owed = refused = false;
+    show();
+  };
+  const press = () => {
+    owed = true;
+    show();
+    link.send({ type: "stop" }).then(settle, (error) => {
+      refused = error.code !== "gone";
+      show();
+    });
+  };
+  store.on("link", (state) => {
+    show();
+    if (owed && state === "ready") press();
+  });
+  return { press, element };
 }
