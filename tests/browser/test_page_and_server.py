@@ -96,7 +96,7 @@ def test_the_log_of_this_turn_is_shown_and_no_words_of_people(page: Page, rig: R
     log.warning("turn_slow", turn=2, text=Said("my secret"))
     log.warning("pairing", code="424242")
     log.warning("goal_failed", goal="7", skill="walk")
-    page.locator(".panel.aside-chosen [data-panel=know]").click()
+    page.locator(".side-switch [data-panel=know]").click()
     lines = page.get_by_role("heading", name="Log").locator("..").locator(".lines li")
     expect(lines).to_have_count(2)
     expect(lines.nth(0)).to_contain_text("goal_failed  skill=walk")

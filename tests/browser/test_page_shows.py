@@ -152,7 +152,7 @@ def test_the_map_is_painted(opens: Opens, robot: Robot) -> None:
 
 def test_a_setting_is_sent_as_what_it_is(opens: Opens, robot: Robot) -> None:
     page = opens()
-    page.locator(".panel.aside-chosen [data-panel=settings]").click()
+    page.locator(".side-switch [data-panel=settings]").click()
     page.get_by_role("switch").press("Enter")
     until(page, lambda: bool(robot.commands("set")))
     assert {k: robot.commands("set")[0][k] for k in ("name", "value")} == {

@@ -26,9 +26,13 @@ export function doPanel(store, link) {
       recent = [call, ...recent.filter((one) => JSON.stringify(one) !== same)].slice(0, RECENT);
       showRecent();
     }, tellRefusal);
-  const showRecent = () => recentBox.replaceChildren(...recent.map((call) =>
-    h("button", { class: "small", type: "button", title: say("again"), onclick: () => run(call) }, sign("again"),
-      [call.label, ...Object.values(call.arguments)].join(" "))));
+  const showRecent = () => {
+    const had = recentBox.contains(document.activeElement);
+    const buttons = recent.map((call) => h("button", { class: "small", type: "button", title: say("again"), onclick: () => run(call) },
+      sign("again"), [call.label, ...Object.values(call.arguments)].join(" ")));
+    recentBox.replaceChildren(...buttons);
+    if (had) buttons[0].focus(); // what was pressed is the first now
+  };
   let shown = "";
   store.on("hello", () => {
     const now = JSON.stringify(store.skills);

@@ -39,6 +39,18 @@ export function keepFocus(box, change) {
   all.find((one) => one.getClientRects().length)?.focus();
 }
 
+/**
+ * Draw what is in a box anew. The keyboard stays on the control at the same place.
+ * @param {HTMLElement} box
+ * @param {...Node} children
+ */
+export function redraw(box, ...children) {
+  const controls = () => /** @type {HTMLElement[]} */ ([...box.querySelectorAll(TAKES_KEYS)]);
+  const at = controls().findIndex((one) => one === document.activeElement);
+  box.replaceChildren(...children);
+  if (at >= 0) controls()[at]?.focus();
+}
+
 /** A part of a panel, under its title. @param {string} title @param {...Node} rest */
 export function section(title, ...rest) {
   return h("section", { class: "part" }, h("h2", {}, title), ...rest);

@@ -94,6 +94,7 @@ function ownMenu(store, link) {
     const now = JSON.stringify(waiting);
     if (now === shown) return;
     shown = now;
+    if (menu.contains(document.activeElement)) button.focus(); // what stands in its place does something else
     menu.replaceChildren(...waiting.map((one) => give(say("give_turn", { name: one.name || one.client }), one.client)),
       give(say("give_back")));
   };

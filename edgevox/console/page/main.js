@@ -66,17 +66,13 @@ function consolePage(store, link) {
       const aside = ASIDE.includes(its ?? "") && ASIDE.includes(name);
       one.classList.toggle("chosen", its === name);
       if (aside) one.classList.toggle("aside-chosen", its === name);
-      if (one.matches(".tabs .tab")) one.toggleAttribute("aria-current", its === name);
-      if (aside && one.matches(".side-switch .tab")) one.toggleAttribute("aria-current", its === name);
+      if (one.matches(".tabs .tab") || (aside && one.matches(".side-switch .tab"))) one.setAttribute("aria-current", String(its === name));
     }
     look(link);
   };
-  for (const one of panels) {
-    if (!ASIDE.includes(one.dataset.panel ?? "")) continue;
-    one.classList.add("side-panel");
-    one.prepend(tabBar(choose, ASIDE, "side-switch"));
-  }
-  const page = h("div", { class: "shell" }, topBar(store, link), noticeBar(store), h("main", { class: "panels" }, ...panels),
+  const [before, aside] = [false, true].map((on) => panels.filter((one) => ASIDE.includes(one.dataset.panel ?? "") === on));
+  const side = h("div", { class: "side" }, tabBar(choose, ASIDE, "side-switch"), ...aside);
+  const page = h("div", { class: "shell" }, topBar(store, link), noticeBar(store), h("main", { class: "panels" }, ...before, side),
     h("div", { class: "bottom" }, questionCard(store, link), stopBar(store, link)), tabBar(choose, PANELS.map(([name]) => name), "tabs"));
   document.getElementById("page")?.replaceChildren(page, toasts);
   choose("do");

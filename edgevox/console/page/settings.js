@@ -1,7 +1,7 @@
 /** The robot's settings that can change while it runs, and the language of this page. */
 import { question } from "./ask.js";
 import { certificateLink } from "./certificate.js";
-import { h } from "./dom.js";
+import { h, redraw } from "./dom.js";
 import { onlyWithControl } from "./lease.js";
 import { tellRefusal } from "./notices.js";
 import { LANGUAGES, chooseLanguage, language, say, sayOr } from "./words.js";
@@ -22,7 +22,7 @@ export function settingsPanel(store, link) {
     });
   const show = () => {
     const c = store.controls;
-    fields.replaceChildren(
+    redraw(fields,
       choice(say("robot_language"), c.languages?.length ? c.languages : Object.keys(LANGUAGES), c.language ?? "", named, (v) => set("language", v)),
       choice(say("voice"), ["", ...(c.voices ?? [])], c.voice ?? "", (v) => v || say("best_voice"), (v) => set("voice", v)),
       choice(say("confirm"), c.confirms ?? CONFIRMS, c.confirm ?? "", (v) => sayOr(`confirm_${v}`, v), (v) => set("confirm", v)),

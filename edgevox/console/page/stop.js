@@ -4,10 +4,23 @@ import { whyNoControl } from "./lease.js";
 import { tellRefusal } from "./notices.js";
 import { say } from "./words.js";
 
+/** What the space bar presses. */
+const PRESSED = "button:not(.stop), a[href], summary, select, input[type=checkbox]";
+/** Whether the pointer was used after the keyboard last moved on. */
+let pointed = false;
+
+/**
+ * Whether the space bar would press what has the keyboard. That counts only where the keyboard has gone by itself:
+ * after a click, the space bar must not do again what was clicked.
+ * @param {EventTarget | null} target
+ */
+const spacePresses = (target) => !pointed && target instanceof Element && target.matches(PRESSED);
+
 /** Whether it is the space bar, and presses nothing any more. @param {KeyboardEvent} event */
 function takesSpace(event) {
+  if (event.key === "Tab") pointed = false;
   if (event.code !== "Space" && event.key !== " ") return false;
-  if (event.isComposing || spaceIsWords(event.target)) return false;
+  if (event.isComposing || spaceIsWords(event.target) || spacePresses(event.target)) return false;
   event.preventDefault();
   event.stopPropagation();
   return true;
@@ -23,6 +36,7 @@ export function stopBar(store, link) {
     sign("hand"), h("span", { class: "stop-word" }, say("stop")), h("kbd", {}, say("space_bar")));
   button.addEventListener("pointerdown", (event) => event.button === 0 && press());
   button.addEventListener("click", (event) => event.detail === 0 && press()); // by keyboard, or a reader
+  document.addEventListener("pointerdown", () => (pointed = true), { capture: true });
   document.addEventListener("keydown", (event) => takesSpace(event) && !event.repeat && press(), { capture: true });
   document.addEventListener("keyup", takesSpace, { capture: true }); // held down it would press what has the focus
   const said = h("p", { class: "stopped-words" });

@@ -5,6 +5,9 @@ import { say, sayOr } from "./words.js";
 /** States in which nobody is heard, each with a sentence of the page. */
 const BROKEN = ["denied", "absent", "busy", "lost", "failed", "unsupported"];
 
+/** The keys that press a button. */
+const PRESSES = ["Enter", " "];
+
 /** Why this browser has no microphone for us; empty if it may have one. */
 function whyDeaf() {
   if (!window.isSecureContext) return "insecure";
@@ -84,8 +87,8 @@ function holdToTalk(speak) {
   });
   for (const end of ["pointerup", "pointercancel", "lostpointercapture", "blur", "release"])
     button.addEventListener(end, () => hold(false));
-  button.addEventListener("keydown", (event) => event.key === "Enter" && !event.repeat && hold(true));
-  button.addEventListener("keyup", (event) => event.key === "Enter" && hold(false));
+  button.addEventListener("keydown", (event) => PRESSES.includes(event.key) && !event.repeat && hold(true));
+  button.addEventListener("keyup", (event) => PRESSES.includes(event.key) && hold(false));
   button.addEventListener("contextmenu", (event) => event.preventDefault());
   window.addEventListener("blur", () => hold(false));
   return button;
