@@ -184,7 +184,8 @@ class ControlPage:
         if releases and self._hub.driving:
             self._hub.driving.release(self)
             return True
-        if not self._limits.commands.allows(self.session.id):
+        asks = not isinstance(message, page_messages.Ping | page_messages.Look)
+        if asks and not self._limits.commands.allows(self.session.id):
             raise NotPermitted("rate", f"at most {PER_S:g} commands a second")
         self._authorise(message)
         match message:
