@@ -18,6 +18,7 @@ def test_the_first_words_take_a_free_robot(opens: Opens, robot: Robot) -> None:
     page.locator(".write input").fill("go to the kitchen")
     page.locator(".write input").press("Enter")
     expect(page.locator(".lease button.on")).to_have_text(page_words("you_command"))
+    until(page, lambda: bool(robot.commands("text")))
     told = [one["type"] for one in robot.received if one["type"] in ("lease", "text")]
     assert told == ["lease", "text"]
 
@@ -26,7 +27,7 @@ def test_the_first_skill_takes_a_free_robot(opens: Opens, robot: Robot) -> None:
     page = opens(command=False)
     page.locator(".skill button").first.click()
     expect(page.locator(".lease button.on")).to_be_visible()
-    assert len(robot.commands("skill")) == 1
+    until(page, lambda: len(robot.commands("skill")) == 1)
 
 
 def test_where_another_has_control_the_composer_says_who_and_asks(

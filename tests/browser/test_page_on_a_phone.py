@@ -4,6 +4,7 @@ import pytest
 from browser_rig import PHONE, Opens, page_words
 from playwright.sync_api import Page, expect
 from stand_in import Robot
+from test_page_drives import until
 
 NAME = "robot-apartment-of-the-second-floor"
 PARTS = ("talk", "see", "do", "know", "settings")
@@ -50,7 +51,7 @@ def test_stop_its_banner_and_the_question_stand_in_every_part(
         for shown in ("button.stop", ".resume", ".question button.primary"):
             expect(page.locator(shown)).to_be_in_viewport(ratio=1)
     page.get_by_role("button", name=page_words("yes")).click()
-    assert [one["yes"] for one in robot.commands("answer")] == [True]
+    until(page, lambda: [one["yes"] for one in robot.commands("answer")] == [True])
 
 
 @pytest.mark.parametrize("device", [UPRIGHT, ON_ITS_SIDE])

@@ -66,9 +66,13 @@ export function stopBar(store, link) {
 function insistentStop(store, link) {
   let owed = false; // it was pressed, and the robot has not answered
   let refused = false;
+  let shouts = false;
   const close = h("button", { class: "round plain", type: "button", "aria-label": say("close"), onclick: () => settle() }, sign("close"));
   const element = h("div", { class: "stop-lost", role: "alert", hidden: true }, h("p", {}, say("stop_lost")), close);
-  const show = () => (element.hidden = !owed || (store.link === "ready" && !refused));
+  const show = () => {
+    shouts = owed && (shouts || refused || store.link !== "ready");
+    element.hidden = !shouts;
+  };
   const settle = () => {
     owed = refused = false;
     show();
