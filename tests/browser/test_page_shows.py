@@ -42,6 +42,31 @@ def test_what_was_decided_is_told_by_stage_and_sureness(opens: Opens, robot: Rob
     expect(page.locator(".notes")).to_have_text([asked, done])
 
 
+def test_numbers_names_and_code_keep_their_order_from_right_to_left(
+    opens: Opens, robot: Robot
+) -> None:
+    page = opens(locale="ar-EG", **PHONE)
+    robot.hello["robot"] = "robot-apartment-2"
+    goes = {"skill": "navigate_to", "arguments": {"room": "kitchen"}}
+    robot.tell(type="talk", kind="heard", turn=1, text="Go to the kitchen.")
+    robot.tell(type="talk", kind="decided", turn=1, calls=[goes], stage="reading", confidence=0.97)
+    expect(page.locator(".notes")).to_contain_text("\u2068navigate_to(kitchen)\u2069")
+    direction = "e => getComputedStyle(e).direction"
+    assert page.locator(".bubble.mine").evaluate(direction) == "ltr"
+    page.locator(".tabs [data-panel=see]").click()
+    place = page.locator(".facts strong").last
+    expect(place).to_be_visible()
+    assert place.evaluate(direction) == "ltr"
+    x_then_y = """e => {
+        const text = e.firstChild, at = (i) => {
+            const range = document.createRange();
+            range.setStart(text, i);
+            range.setEnd(text, i + 1);
+            return range.getBoundingClientRect().left; };
+        return at(1) < at(text.data.indexOf(",") + 3); }"""
+    assert place.evaluate(x_then_y), "x stands left of y"
+
+
 def test_an_answer_says_whether_the_model_gave_it(opens: Opens, robot: Robot) -> None:
     page = opens(locale="de")
     robot.tell(type="talk", kind="heard", turn=1, text="Who are you?")

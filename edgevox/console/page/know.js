@@ -53,9 +53,9 @@ function healthList() {
 /** @param {string} name */
 function healthRow(name) {
   const dot = h("span", { class: "dot", role: "img" });
-  const message = h("span", { class: "quiet" });
+  const message = h("span", { class: "quiet", dir: "auto" });
   const values = h("div", {});
-  const element = h("details", { class: "diagnostic" }, h("summary", {}, dot, h("strong", {}, name), message), values);
+  const element = h("details", { class: "diagnostic" }, h("summary", {}, dot, h("strong", { dir: "auto" }, name), message), values);
   const show = (/** @type {import("./wire.js").Diagnostic} */ one) => {
     const kind = LEVELS[one.level] ?? "stale";
     dot.className = `dot ${kind}`;
@@ -75,7 +75,7 @@ function latencyRows(turns) {
     const last = values[values.length - 1];
     const most = Math.max(...values, 0.001);
     return h("div", { class: "latency" }, h("span", { class: "quiet" }, say(`latency_${stage}`)), sparkline(values, most),
-      h("strong", {}, `${number(last, 2)} s`));
+      h("strong", { dir: "auto" }, `${number(last, 2)} s`));
   });
 }
 

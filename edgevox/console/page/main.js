@@ -20,7 +20,7 @@ const ASIDE = ["do", "know", "settings"];
 
 /** @param {Store} store */
 function topBar(store, /** @type {Link} */ link) {
-  const name = h("h1", {}, "EdgeVox");
+  const name = h("h1", { dir: "auto" }, "EdgeVox");
   const state = h("span", { class: "chip state", role: "status" });
   const battery = h("span", { class: "chip battery", hidden: true });
   store.on("hello", () => {

@@ -3,7 +3,7 @@ import { h, keepFocus, sign } from "./dom.js";
 import { otherHolder } from "./lease.js";
 import { tellRefusal, whyNot } from "./notices.js";
 import { soundButtons } from "./talk_sound.js";
-import { say, sayOr, number } from "./words.js";
+import { isolated, say, sayOr, number } from "./words.js";
 
 const KEPT_TURNS = 60;
 const NEAR_END_PX = 80;
@@ -12,10 +12,10 @@ const TOLD_OUTCOMES = ["answered", "asked", "refused", "interrupted", "failed", 
 /** One exchange as it stands on the page. */
 class Turn {
   constructor() {
-    this.heard = h("p", { class: "bubble mine", hidden: true });
+    this.heard = h("p", { class: "bubble mine", dir: "auto", hidden: true });
     this.notes = h("p", { class: "notes", hidden: true });
-    this.answer = h("p", { class: "bubble robots", hidden: true });
-    this.detail = h("p", { class: "detail", hidden: true });
+    this.answer = h("p", { class: "bubble robots", dir: "auto", hidden: true });
+    this.detail = h("p", { class: "detail", dir: "auto", hidden: true });
     this.element = h("div", { class: "turn" }, this.heard, this.notes, this.answer, this.detail);
     this.whole = "";
     /** Whether it was told what its words were understood as. */
@@ -224,7 +224,7 @@ function tellOutcome(turn, { outcome, stage }) {
 }
 
 /** @param {{skill: string, arguments?: Record<string, any>}} call */
-const called = (call) => `${call.skill}(${Object.values(call.arguments ?? {}).join(", ")})`;
+const called = (call) => isolated(`${call.skill}(${Object.values(call.arguments ?? {}).join(", ")})`);
 
 /** @param {number} part */
 const percent = (part) => number(100 * part, 0);
