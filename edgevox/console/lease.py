@@ -40,6 +40,11 @@ class Lease:
         if not self.take(client) and client not in self.state.waiting:
             self.state = LeaseState(self.state.holder, (*self.state.waiting, client))
 
+    def withdraw(self, client: str) -> None:
+        """Let a client wait no longer."""
+        waiting = tuple(one for one in self.state.waiting if one != client)
+        self.state = LeaseState(self.state.holder, waiting)
+
     def give(self, client: str, to: str | None = None) -> bool:
         """Let the holder give it to a waiting client, by default the first.
 
@@ -57,8 +62,7 @@ class Lease:
 
     def gone(self, client: str) -> None:
         """None of this client's pages is there; it no longer waits."""
-        waiting = tuple(one for one in self.state.waiting if one != client)
-        self.state = LeaseState(self.state.holder, waiting)
+        self.withdraw(client)
         if self.state.holder == client:
             self._left_s = self.clock.now()
 

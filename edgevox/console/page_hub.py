@@ -17,7 +17,7 @@ from edgevox.console.driving import Driving
 from edgevox.console.lease import Lease, LeaseState
 from edgevox.console.outbox import Outbox
 from edgevox.console.sessions import Session, Sessions
-from edgevox.console.talk import Shown, messages_of
+from edgevox.console.talk import LastTurns, Shown, messages_of
 from edgevox.core.clock import Clock
 from edgevox.core.events import ControlChanged, Event
 from edgevox.core.log import get_logger
@@ -57,6 +57,7 @@ class PageHub:
         self.sessions = sessions
         self.lease = Lease(clock)
         self.pages: list[OpenPage] = []
+        self.last_turns = LastTurns()
         self.workers = ThreadPoolExecutor(6, thread_name_prefix="console-worker")
         self.driving: Driving | None = None
         self._thread = 0
@@ -205,13 +206,16 @@ class PageHub:
     # What other threads say
 
     def _heard(self, event: Event) -> None:
-        if self.pages:
-            reason = getattr(event, "reason", None)
-            for message in messages_of(event):
-                if isinstance(reason, Reason):
-                    self._soon(partial(self._tell_why, message, reason))
-                else:
-                    self.tell_soon(message)
+        reason = getattr(event, "reason", None)
+        for message in messages_of(event):
+            if isinstance(reason, Reason):
+                self._soon(partial(self._tell_why, message, reason))
+            else:
+                self._soon(partial(self._tell_talk, message))
+
+    def _tell_talk(self, message: Mapping[str, Any]) -> None:
+        self.last_turns.add(message)
+        self.tell(message)
 
     def _tell_why(self, message: Mapping[str, Any], reason: Reason) -> None:
         """Tell each page in its own language why."""

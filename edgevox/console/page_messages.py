@@ -94,11 +94,11 @@ class Resume(PageMessage):
 
 
 class ChangeLease(PageMessage):
-    """A change of the lease: take it if it is free, give it away, or ask for it."""
+    """A change of the lease: take it if it is free, give it away, ask for it, ask no longer."""
 
     needs: ClassVar[Needs] = "operator"
     type: Literal["lease"]
-    action: Literal["take", "give", "request"]
+    action: Literal["take", "give", "request", "withdraw"]
     to: str | None = Field(None, max_length=64)
 
 

@@ -6,6 +6,7 @@ session; `LAST_S` ends it.
 
 import hashlib
 import hmac
+import itertools
 import json
 import re
 import secrets
@@ -72,6 +73,12 @@ class Sessions:
         session = Session(secrets.token_hex(8), name, role, _hash(secret), self._now(), address)
         write_atomically(self._file(session.id), json.dumps(asdict(session)))
         return session, f"{session.id}.{secret}"
+
+    def free_name(self, name: str) -> str:
+        """Return the name; with a number, if another session has it."""
+        taken = {session.name for session in self.all()}
+        numbered = (f"{name} {number}" for number in itertools.count(2))
+        return name if name not in taken else next(one for one in numbered if one not in taken)
 
     def of_cookie(self, cookie: str) -> Session | None:
         """Return the cookie's session; None if it never existed, is revoked, or too old."""

@@ -24,6 +24,7 @@ from edgevox.console.sockets.browser_sound import SoundLine, SoundPage
 from edgevox.console.sockets.control import ControlPage, SocketLimits
 from edgevox.console.sockets.pictures import PictureSocket, show
 from edgevox.core.clock import Clock
+from edgevox.core.files.text import clean
 from edgevox.core.log import get_logger
 
 log = get_logger(__name__)
@@ -76,6 +77,8 @@ def is_own_origin(request: web.BaseRequest) -> bool:
 
 PAGE = Path(__file__).parent / "page"
 MOST_BODY = 4096
+MOST_NAME = 40
+"""The most characters of a browser's name."""
 _SESSION = web.RequestKey("session", Session)
 """The key of a request's session, if it shows one."""
 DOWNLOADS_PER_S, DOWNLOADS = 0.5, 20
@@ -182,7 +185,8 @@ class Site:
         address = request.remote or ""
         if not self._tries.allows(address):
             raise web.HTTPTooManyRequests(text="wait a minute")
-        told, work = await _code(request), self.hub.work  # disks are slow: a stop must not wait
+        told, named = await _code(request)
+        work = self.hub.work  # disks are slow: a stop must not wait
         async with self._pairs:  # of two at once with the same code one is let in
             try:
                 role = await work(self.pairing.redeem, told)
@@ -190,7 +194,8 @@ class Site:
                     self.bad.count(BadRequest.CODE)
                     log.warning("console_pairing_refused", address=address)
                     raise web.HTTPForbidden(text="not the code")
-                begun = await work(self.hub.sessions.begin, role, _browser(request), address)
+                name = await work(self.hub.sessions.free_name, named or _browser(request))
+                begun = await work(self.hub.sessions.begin, role, name, address)
             except OSError as error:
                 log.error("console_unsaved", error=error.strerror or str(error))  # noqa: TRY400
                 raise web.HTTPServiceUnavailable(text="the robot cannot write that down") from None
@@ -309,10 +314,12 @@ def _attachment(name: str) -> dict[str, str]:
     }
 
 
-async def _code(request: web.Request) -> str:
+async def _code(request: web.Request) -> tuple[str, str]:
+    """Return the pairing code, and the name that the person gives the browser; empty for none."""
     try:
-        return str(json.loads(await request.read())["code"])[:64]
-    except (ValueError, TypeError, LookupError, RecursionError):
+        told = json.loads(await request.read())
+        return str(told["code"])[:64], clean(str(told.get("name", "")))[:MOST_NAME].strip()
+    except (ValueError, TypeError, LookupError, RecursionError, AttributeError):
         raise web.HTTPBadRequest(text="expected a code") from None
 
 

@@ -1,5 +1,9 @@
-"""The events of the bus as the messages of `/ws`."""
+"""The events of the bus as the messages of `/ws`, and the last turns for a page that opens."""
 
+import itertools
+import json
+from collections import OrderedDict
+from collections.abc import Mapping
 from typing import Any
 
 from edgevox.core.agent_events import AgentEvent, Confirmation, ConfirmationStatus, as_json
@@ -55,3 +59,41 @@ def _asked(event: Confirmation) -> dict[str, Any]:
 
 def _talk(kind: str, turn: int, **fields: Any) -> dict[str, Any]:
     return {"type": "talk", "kind": kind, "turn": turn, **fields}
+
+
+MOST_TURNS = 20
+MOST_TALK_BYTES = 24 * 1024
+"""The most bytes of the last turns in one message; of longer ones only the newest are told."""
+_KEPT = ("heard", "decided", "response", "turn_ended", "tool_call")
+
+
+class LastTurns:
+    """The last turns and the open question, as messages. For one thread."""
+
+    def __init__(self) -> None:
+        self._turns: OrderedDict[int, list[Mapping[str, Any]]] = OrderedDict()
+        self._question: Mapping[str, Any] | None = None
+        self._alone = itertools.count(-1, -1)
+
+    def add(self, message: Mapping[str, Any]) -> None:
+        """Keep this message, if a page that opens later needs it."""
+        kind = message.get("kind")
+        if kind == "asked":
+            self._question = message if message["open"] else None
+        if kind not in _KEPT:
+            return
+        turn = message.get("turn") or next(self._alone)
+        self._turns.setdefault(turn, []).append(message)
+        while len(self._turns) > MOST_TURNS:
+            self._turns.popitem(last=False)
+
+    def messages(self) -> list[Mapping[str, Any]]:
+        """Return the newest turns, in order, and the open question after them."""
+        left, told = MOST_TALK_BYTES, []
+        for turn in reversed(self._turns.values()):
+            left -= len(json.dumps(turn))
+            if left < 0:
+                break
+            told.append(turn)
+        question = [self._question] if self._question else []
+        return [*itertools.chain.from_iterable(reversed(told)), *question]

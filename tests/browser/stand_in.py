@@ -174,6 +174,7 @@ class Robot:
         self._loop = asyncio.new_event_loop()
         self._thread = threading.Thread(target=self._loop.run_forever, name="stand-in")
         self._lease: str | None = None
+        self._asking: list[str] = []
         self._count = 0
         self.url = ""
 
@@ -281,7 +282,7 @@ class Robot:
         if self.silent:
             return
         act: Mapping[str, Callable[[], Any]] = {
-            "lease": lambda: self._give(client if message["action"] == "take" else None),
+            "lease": lambda: self._change_lease(client, message["action"], message.get("to")),
             "stop": lambda: self._broadcast({"type": "stop", "engaged": True, "by": client}),
             "resume": lambda: self._broadcast({"type": "stop", "engaged": False}),
         }
@@ -299,8 +300,15 @@ class Robot:
             "holder": self._lease,
             "name": self._lease,
             "mine": self._lease == client,
-            "waiting": [],
+            "waiting": [{"client": one, "name": one} for one in self._asking],
         }
+
+    async def _change_lease(self, client: str, action: str, to: str | None) -> None:
+        self._asking = [one for one in self._asking if one not in (client, to)]
+        if action == "request" and self._lease:
+            self._asking.append(client)
+        free = self._lease in (None, client)
+        await self._give(to if action == "give" else client if free else self._lease)
 
     async def _give(self, client: str | None) -> None:
         self._lease = client

@@ -51,7 +51,6 @@ def test_stop_needs_no_turn_and_reaches_the_robot(page: Page, rig: Rig) -> None:
 
 
 def test_words_reach_it_as_an_operators_and_come_back(page: Page, rig: Rig) -> None:
-    take_the_turn(page)
     page.locator(".write input").fill("go to the kitchen")
     page.locator(".write input").press("Enter")
     until(page, lambda: bool(rig.submitted))
@@ -61,6 +60,15 @@ def test_words_reach_it_as_an_operators_and_come_back(page: Page, rig: Rig) -> N
     rig.bus.publish(Responded("Going to the kitchen.", 1))
     expect(page.locator(".bubble.robots")).to_have_text("Going to the kitchen.")
     expect(page.locator(".notes")).to_have_text("navigate_to(kitchen) · by a template · 100 % sure")
+
+
+def test_a_page_that_is_loaded_again_shows_the_last_turns(page: Page, rig: Rig) -> None:
+    for turn in range(1, 23):
+        rig.bus.publish(Transcribed(f"sentence {turn}", turn))
+    expect(page.locator(".bubble.mine")).to_have_count(22)
+    page.reload()
+    expect(page.locator(".bubble.mine")).to_have_count(20)
+    expect(page.locator(".bubble.mine").last).to_have_text("sentence 22")
 
 
 def test_the_stick_steers_and_letting_go_halts(page: Page, rig: Rig) -> None:
@@ -88,7 +96,7 @@ def test_the_log_of_this_turn_is_shown_and_no_words_of_people(page: Page, rig: R
     log.warning("turn_slow", turn=2, text=Said("my secret"))
     log.warning("pairing", code="424242")
     log.warning("goal_failed", goal="7", skill="walk")
-    page.locator(".panel.aside-chosen [data-panel=know]").click()
+    page.locator(".side-switch [data-panel=know]").click()
     lines = page.get_by_role("heading", name="Log").locator("..").locator(".lines li")
     expect(lines).to_have_count(2)
     expect(lines.nth(0)).to_contain_text("goal_failed  skill=walk")

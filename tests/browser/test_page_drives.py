@@ -91,10 +91,28 @@ def test_arrow_keys_drive_while_they_are_down(opens: Opens, robot: Robot) -> Non
 
 def test_nothing_is_sent_without_the_turn(opens: Opens, robot: Robot) -> None:
     page = opens(command=False)
+    robot.tell(type="lease", holder="x", name="Ada", mine=False, waiting=[])
+    page.locator(".joystick.disabled").wait_for()
     hold(page)
     quiet(page, robot)
     page.mouse.up()
     assert not robot.commands("drive")
+    assert not robot.commands("lease")
+
+
+def test_a_stick_that_is_held_does_not_take_back_what_was_given_away(
+    opens: Opens, robot: Robot
+) -> None:
+    page = opens()
+    hold(page)
+    drives(page, robot)
+    robot.tell(type="lease", holder=None, name=None, mine=False, waiting=[])
+    until(page, lambda: bool(still(robot)))
+    count = len(robot.commands("drive"))
+    move(page)
+    quiet(page, robot)
+    assert len(robot.commands("drive")) == count
+    assert [one["action"] for one in robot.commands("lease")] == ["take"]
 
 
 def test_a_stop_lets_go_of_the_stick(opens: Opens, robot: Robot) -> None:
@@ -168,12 +186,11 @@ def test_after_a_stop_is_over_a_stick_that_is_still_held_drives_no_more(
     assert len(robot.commands("drive")) == count
 
 
-def test_a_stick_pressed_before_its_turn_drives_only_when_it_is_pressed_again(
+def test_a_stick_takes_a_free_robot_and_drives_when_it_is_pressed_again(
     opens: Opens, robot: Robot
 ) -> None:
     page = opens(command=False)
     hold(page)
-    page.locator(".lease button.primary").evaluate("button => button.click()")
     page.locator(".lease button.on").wait_for()
     move(page)
     quiet(page, robot)
@@ -183,13 +200,12 @@ def test_a_stick_pressed_before_its_turn_drives_only_when_it_is_pressed_again(
     drives(page, robot)
 
 
-def test_a_key_pressed_before_its_turn_drives_only_when_it_is_pressed_again(
+def test_a_key_takes_a_free_robot_and_drives_when_it_is_pressed_again(
     opens: Opens, robot: Robot
 ) -> None:
     page = opens(command=False)
     page.locator(".stick").focus()
     page.keyboard.down("ArrowUp")
-    page.locator(".lease button.primary").evaluate("button => button.click()")
     page.locator(".lease button.on").wait_for()
     page.keyboard.down("ArrowLeft")
     until(page, lambda: bool(robot.commands("drive")))

@@ -19,10 +19,10 @@ def test_silence_greys_the_page_and_what_is_typed_then_is_never_sent(
     expect(page.locator(".notice.bad").first).to_be_visible()
     page.locator(".write input").fill("go to the kitchen")
     page.locator(".write input").press("Enter")
-    expect(page.locator(".toast")).to_contain_text("Not sent")
+    expect(page.locator(".notes")).to_contain_text("Not sent")
     robot.silent = False
     page.locator("html[data-link=ready]").wait_for()
-    page.locator(".lease button.primary, .lease button.on").first.wait_for()
+    page.locator(".lease button.primary:visible, .lease button.on:visible").first.wait_for()
     assert not robot.commands("text")
     expect(page.locator(".write input")).to_have_value("go to the kitchen")
 

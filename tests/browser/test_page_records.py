@@ -49,7 +49,7 @@ def test_it_is_begun_ended_taken_home_and_removed(
     browser: Browser, rig: Rig, recorder: RobotRecorder, tmp_path: Path
 ) -> None:
     page = opened(browser, rig, Role.OPERATOR)
-    expect(page.get_by_role("button", name="Start recording")).to_be_disabled()
+    expect(page.get_by_role("button", name="Start recording")).to_be_enabled()
     take_the_turn(page)
     page.get_by_role("button", name="Start recording").click()
     page.get_by_role("button", name="Stop recording").wait_for()

@@ -42,6 +42,31 @@ def test_what_was_decided_is_told_by_stage_and_sureness(opens: Opens, robot: Rob
     expect(page.locator(".notes")).to_have_text([asked, done])
 
 
+def test_numbers_names_and_code_keep_their_order_from_right_to_left(
+    opens: Opens, robot: Robot
+) -> None:
+    page = opens(locale="ar-EG", **PHONE)
+    robot.hello["robot"] = "robot-apartment-2"
+    goes = {"skill": "navigate_to", "arguments": {"room": "kitchen"}}
+    robot.tell(type="talk", kind="heard", turn=1, text="Go to the kitchen.")
+    robot.tell(type="talk", kind="decided", turn=1, calls=[goes], stage="reading", confidence=0.97)
+    expect(page.locator(".notes")).to_contain_text("\u2068navigate_to(kitchen)\u2069")
+    direction = "e => getComputedStyle(e).direction"
+    assert page.locator(".bubble.mine").evaluate(direction) == "ltr"
+    page.locator(".tabs [data-panel=see]").click()
+    place = page.locator(".facts strong").last
+    expect(place).to_be_visible()
+    assert place.evaluate(direction) == "ltr"
+    x_then_y = """e => {
+        const text = e.firstChild, at = (i) => {
+            const range = document.createRange();
+            range.setStart(text, i);
+            range.setEnd(text, i + 1);
+            return range.getBoundingClientRect().left; };
+        return at(1) < at(text.data.indexOf(",") + 3); }"""
+    assert place.evaluate(x_then_y), "x stands left of y"
+
+
 def test_an_answer_says_whether_the_model_gave_it(opens: Opens, robot: Robot) -> None:
     page = opens(locale="de")
     robot.tell(type="talk", kind="heard", turn=1, text="Who are you?")
@@ -152,7 +177,7 @@ def test_the_map_is_painted(opens: Opens, robot: Robot) -> None:
 
 def test_a_setting_is_sent_as_what_it_is(opens: Opens, robot: Robot) -> None:
     page = opens()
-    page.locator(".panel.aside-chosen [data-panel=settings]").click()
+    page.locator(".side-switch [data-panel=settings]").click()
     page.get_by_role("switch").press("Enter")
     until(page, lambda: bool(robot.commands("set")))
     assert {k: robot.commands("set")[0][k] for k in ("name", "value")} == {
@@ -166,7 +191,7 @@ def test_a_refusal_says_why(opens: Opens, robot: Robot) -> None:
     page = opens(command=False)
     page.locator(".write input").fill("go")
     page.locator(".write input").press("Enter")
-    expect(page.locator(".toast")).to_have_text(page_words("why_no_lease"))
+    expect(page.locator(".notes")).to_have_text(page_words("why_no_lease"))
 
 
 @pytest.mark.parametrize(
@@ -184,7 +209,7 @@ def test_a_refusal_is_in_the_language_of_the_page(
     page = opens(locale="de-DE")
     page.locator(".write input").fill("go")
     page.locator(".write input").press("Enter")
-    expect(page.locator(".toast")).to_have_text(said)
+    expect(page.locator(".notes")).to_have_text(said)
 
 
 def test_without_a_part_for_sound_the_page_says_so_and_works(opens: Opens, robot: Robot) -> None:
@@ -218,6 +243,7 @@ def test_two_browsers_have_one_turn(opens: Opens, robot: Robot) -> None:
     expect(second.locator(".lease")).to_contain_text(page_words("commands_now", name="client-1"))
     expect(second.locator(".skill button").first).to_be_disabled()
     first.locator(".lease button.on").click()
+    first.get_by_role("button", name=page_words("give_back")).click()
     second.locator(".lease button.primary").click()
     expect(second.locator(".skill button").first).to_be_enabled()
     expect(first.locator(".lease")).to_contain_text(page_words("commands_now", name="client-2"))
@@ -314,7 +340,7 @@ def test_a_long_name_leaves_the_page_as_wide_as_the_phone(opens: Opens, robot: R
     page = opens(**PHONE)
     page.locator(".chip.battery").wait_for()
     assert page.evaluate("document.documentElement.scrollWidth") == 390
-    assert page.locator(".lease button").bounding_box()["x"] < 390
+    assert page.locator(".lease button.on").bounding_box()["x"] < 390
 
 
 @pytest.mark.parametrize(

@@ -1,9 +1,10 @@
 """Stop works for anybody, from anywhere on the page, and stays until somebody resumes."""
 
 import pytest
-from browser_rig import PHONE, Opens
+from browser_rig import PHONE, Opens, page_words
 from playwright.sync_api import Page, expect
 from stand_in import HELLO, Robot
+from test_page_drives import quiet
 
 
 def stopped(page: Page) -> None:
@@ -120,3 +121,54 @@ def test_the_button_stays_in_sight_where_there_is_little_room(
             " return [.1, .5, .9].every(at => e.contains(document.elementFromPoint("
             "r.left + r.width / 2, r.top + at * r.height))); }"
         ), (width, height)
+
+
+def test_a_stop_that_did_not_arrive_shouts_until_it_does(opens: Opens, robot: Robot) -> None:
+    page = opens(**PHONE)
+    lost = page.get_by_role("alert").filter(has_text=page_words("stop_lost"))
+    robot.silent = True
+    page.locator("button.stop").click()
+    for part in ("see", "talk"):
+        page.locator(f".tabs [data-panel={part}]").click()
+        expect(lost).to_be_in_viewport(ratio=1)
+    expect(page.locator("button.stop")).to_be_in_viewport(ratio=1)
+    robot.silent = False
+    stopped(page)
+    expect(lost).to_be_hidden()
+    assert len(robot.commands("stop")) >= 2
+
+
+def test_a_dismissed_stop_is_not_sent_again(opens: Opens, robot: Robot) -> None:
+    page = opens()
+    robot.silent = True
+    page.locator("html[data-link=gone]").wait_for()
+    page.locator("button.stop").click()
+    lost = page.locator(".stop-lost")
+    lost.get_by_role("button", name=page_words("close")).click()
+    expect(lost).to_be_hidden()
+    quiet(page, robot)
+    sent = len(robot.commands("stop"))
+    robot.silent = False
+    page.locator("html[data-link=ready]").wait_for()
+    quiet(page, robot)
+    assert len(robot.commands("stop")) == sent
+
+
+def test_a_stop_that_the_robot_could_not_do_shouts_too(opens: Opens, robot: Robot) -> None:
+    robot.answers["stop"] = {"reason": "failed", "message": "it broke"}
+    page = opens()
+    page.locator("button.stop").click()
+    expect(page.locator(".stop-lost")).to_be_visible()
+    del robot.answers["stop"]
+    page.locator("button.stop").click()
+    expect(page.locator(".stop-lost")).to_be_hidden()
+    stopped(page)
+
+
+def test_the_header_of_a_robot_that_is_gone_is_grey_and_says_so(opens: Opens, robot: Robot) -> None:
+    page = opens()
+    robot.silent = True
+    page.locator("html[data-link=gone]").wait_for()
+    for part in (".top h1", ".top .battery", ".top .lease"):
+        assert "grayscale" in page.locator(part).evaluate("e => getComputedStyle(e).filter")
+    expect(page.locator(".chip.state")).to_have_text(page_words("state_gone"))

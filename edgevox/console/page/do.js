@@ -1,7 +1,7 @@
 /** What the robot can be asked to do: a form for each skill, and what was asked lately. */
 import { h, sign } from "./dom.js";
 import { joystick } from "./joystick.js";
-import { onlyWithTurn } from "./lease.js";
+import { onlyWithControl, whyNoControl } from "./lease.js";
 import { tellRefusal } from "./notices.js";
 import { skillForm } from "./skill_form.js";
 import { say } from "./words.js";
@@ -26,9 +26,13 @@ export function doPanel(store, link) {
       recent = [call, ...recent.filter((one) => JSON.stringify(one) !== same)].slice(0, RECENT);
       showRecent();
     }, tellRefusal);
-  const showRecent = () => recentBox.replaceChildren(...recent.map((call) =>
-    h("button", { class: "small", type: "button", title: say("again"), onclick: () => run(call) }, sign("again"),
-      [call.label, ...Object.values(call.arguments)].join(" "))));
+  const showRecent = () => {
+    const had = recentBox.contains(document.activeElement);
+    const buttons = recent.map((call) => h("button", { class: "small", type: "button", title: say("again"), onclick: () => run(call) },
+      sign("again"), [call.label, ...Object.values(call.arguments)].join(" ")));
+    recentBox.replaceChildren(...buttons);
+    if (had) buttons[0].focus(); // what was pressed is the first now
+  };
   let shown = "";
   store.on("hello", () => {
     const now = JSON.stringify(store.skills);
@@ -38,9 +42,12 @@ export function doPanel(store, link) {
     if (!store.skills.length) list.append(h("p", { class: "empty" }, say("no_skills")));
   });
   const fields = h("fieldset", { class: "bare stack", "aria-label": say("skills") }, recentBox, list);
-  onlyWithTurn(store, fields);
-  const hint = h("p", { class: "hint" }, say("needs_turn"));
-  const tellHint = () => (hint.hidden = store.commands);
+  onlyWithControl(store, fields);
+  const hint = h("p", { class: "hint", hidden: true });
+  const tellHint = () => {
+    hint.textContent = whyNoControl(store);
+    hint.hidden = !hint.textContent || store.link !== "ready";
+  };
   for (const type of ["hello", "lease", "link"]) store.on(type, tellHint);
   return h("section", { class: "card do-card scroll stack", tabindex: "0", "aria-label": say("do") },
     hint, joystick(store, link), fields);

@@ -21,6 +21,36 @@ export function h(tag, attributes = {}, ...children) {
   return made;
 }
 
+/** What takes the keyboard. */
+const TAKES_KEYS = "button:not(:disabled), input:not(:disabled), select:not(:disabled), [tabindex]";
+
+/**
+ * Change what a box shows. If that hides what has the keyboard, what now stands in its place gets it. A box that is
+ * hidden itself leaves that to the box around it.
+ * @param {HTMLElement} box
+ * @param {() => void} change
+ */
+export function keepFocus(box, change) {
+  const had = document.activeElement;
+  const inside = had instanceof HTMLElement && box.contains(had);
+  change();
+  if (!inside || box.hidden || (had.isConnected && had.getClientRects().length)) return;
+  const all = /** @type {HTMLElement[]} */ ([...box.querySelectorAll(TAKES_KEYS)]);
+  all.find((one) => one.getClientRects().length)?.focus();
+}
+
+/**
+ * Draw what is in a box anew. The keyboard stays on the control at the same place.
+ * @param {HTMLElement} box
+ * @param {...Node} children
+ */
+export function redraw(box, ...children) {
+  const controls = () => /** @type {HTMLElement[]} */ ([...box.querySelectorAll(TAKES_KEYS)]);
+  const at = controls().findIndex((one) => one === document.activeElement);
+  box.replaceChildren(...children);
+  if (at >= 0) controls()[at]?.focus();
+}
+
 /** A part of a panel, under its title. @param {string} title @param {...Node} rest */
 export function section(title, ...rest) {
   return h("section", { class: "part" }, h("h2", {}, title), ...rest);

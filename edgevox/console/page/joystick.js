@@ -90,6 +90,7 @@ export function joystick(store, link) {
     knob.style.transform = `translate(${right * 42}px, ${-ahead * 42}px)`;
   };
   const push = (/** @type {number} */ right, /** @type {number} */ ahead) => {
+    if (store.free && !store.stop.engaged) link.send({ type: "lease", action: "take" }).catch(tellRefusal);
     if (!driver.may) return drop(); // and does not drive once it may
     show(right, ahead);
     driver.push(right, ahead);
@@ -109,8 +110,8 @@ export function joystick(store, link) {
   document.addEventListener("visibilitychange", () => document.hidden && drop());
   const arrange = () => {
     box.hidden = !store.capabilities.drive;
-    box.classList.toggle("disabled", !store.commands);
-    pad.setAttribute("aria-disabled", String(!store.commands));
+    box.classList.toggle("disabled", !store.may);
+    pad.setAttribute("aria-disabled", String(!store.may));
     if (!driver.may) drop();
   };
   for (const type of ["hello", "lease", "link", "stop"]) store.on(type, arrange);

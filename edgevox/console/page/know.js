@@ -13,42 +13,58 @@ const MOST_LINES = 200;
  * @param {import("./link.js").Link} link
  */
 export function knowPanel(store, link) {
-  const health = h("div", { class: "stack-small" });
+  const health = healthList();
   const latencies = h("div", { class: "latencies" });
   const line = h("p", { class: "quiet small-text" });
   store.on("status", () => {
-    health.replaceChildren(...healthRows(store.status));
+    health.show(store.status);
     latencies.replaceChildren(...latencyRows(store.status.latencies ?? []));
     line.textContent = say("line", { ms: number(link.roundtrip, 0) });
   });
   const recording = recordingPart(store, link);
   return h("section", { class: "card know-card scroll", tabindex: "0", "aria-label": say("know") },
-    section(say("health"), health, line), section(say("latencies"), latencies), recording,
+    section(say("health"), health.element, line), section(say("latencies"), latencies), recording,
     section(say("refusals"), refusalList(store)), section(say("logs"), logList(store)));
 }
 
-/** @param {import("./wire.js").Status} status */
-function healthRows(status) {
-  const problems = status.health?.problems ?? [];
-  const rows = problems.map((text) => h("p", { class: "notice bad" }, text));
-  for (const one of status.diagnostics ?? []) {
-    const kind = LEVELS[one.level] ?? "stale";
-    const values = Object.entries(one.values ?? {}).map(([name, value]) => h("div", { class: "row tight" },
-      h("span", { class: "quiet fill" }, name), h("span", {}, String(value))));
-    rows.push(/** @type {any} */ (details(one.name, h("summary", {}, h("span", { class: `dot ${kind}`, role: "img", "aria-label": say(`level_${kind}`) }),
-      h("strong", {}, one.name), h("span", { class: "quiet" }, one.message ?? "")), values)));
-  }
-  return rows;
+/** The health of each part. A line that is there is changed in its place: it may have the keyboard. */
+function healthList() {
+  const problems = h("div", { class: "stack-small" });
+  const element = h("div", { class: "stack-small" }, problems);
+  /** @type {Map<string, ReturnType<typeof healthRow>>} */
+  const rows = new Map();
+  const show = (/** @type {import("./wire.js").Status} */ status) => {
+    problems.replaceChildren(...(status.health?.problems ?? []).map((text) => h("p", { class: "notice bad" }, text)));
+    const told = status.diagnostics ?? [];
+    for (const [name, row] of rows) if (!told.some((one) => one.name === name)) {
+      row.element.remove();
+      rows.delete(name);
+    }
+    for (const one of told) {
+      const row = rows.get(one.name) ?? healthRow(one.name);
+      if (!rows.has(one.name)) element.append(row.element);
+      rows.set(one.name, row);
+      row.show(one);
+    }
+  };
+  return { element, show };
 }
 
-/** @type {Set<string>} those that somebody opened stay open when they are drawn anew */
-const opened = new Set();
-
-/** @param {string} name @param {HTMLElement} summary @param {Node[]} rest */
-function details(name, summary, rest) {
-  const made = h("details", { class: "diagnostic", open: opened.has(name) }, summary, ...rest);
-  made.addEventListener("toggle", () => (made.open ? opened.add(name) : opened.delete(name)));
-  return made;
+/** @param {string} name */
+function healthRow(name) {
+  const dot = h("span", { class: "dot", role: "img" });
+  const message = h("span", { class: "quiet", dir: "auto" });
+  const values = h("div", {});
+  const element = h("details", { class: "diagnostic" }, h("summary", {}, dot, h("strong", { dir: "auto" }, name), message), values);
+  const show = (/** @type {import("./wire.js").Diagnostic} */ one) => {
+    const kind = LEVELS[one.level] ?? "stale";
+    dot.className = `dot ${kind}`;
+    dot.setAttribute("aria-label", say(`level_${kind}`));
+    message.textContent = one.message ?? "";
+    values.replaceChildren(...Object.entries(one.values ?? {}).map(([key, value]) => h("div", { class: "row tight" },
+      h("span", { class: "quiet fill" }, key), h("span", {}, String(value)))));
+  };
+  return { element, show };
 }
 
 /** @param {import("./wire.js").Latency[]} turns */
@@ -59,7 +75,7 @@ function latencyRows(turns) {
     const last = values[values.length - 1];
     const most = Math.max(...values, 0.001);
     return h("div", { class: "latency" }, h("span", { class: "quiet" }, say(`latency_${stage}`)), sparkline(values, most),
-      h("strong", {}, `${number(last, 2)} s`));
+      h("strong", { dir: "auto" }, `${number(last, 2)} s`));
   });
 }
 

@@ -8,6 +8,12 @@ const SILENCE_MS = 800;
 const GIVE_UP_MS = 3000;
 const AGAIN_MS = [250, 500, 1000, 2000, 4000];
 
+/**
+ * What does not take control of a free robot. A stick takes it when it is pressed, and not while it is held: what is
+ * held must not take back what was just given away.
+ */
+const TAKES_NO_CONTROL = ["stop", "look", "lease", "drive"];
+
 /** A command was not sent, or not done; `code` says why where the robot said so, and `why` in the page's language. */
 export class Refused extends Error {
   /** @param {string} message @param {string} [code] @param {string} [why] */
@@ -122,7 +128,7 @@ export class Link {
 
   /**
    * Send a command now; the promise ends with the robot's answer. A stop is tried even on a line
-   * that is silent, anything else is refused there.
+   * that is silent, anything else is refused there. The first command takes control of a free robot.
    * @param {Record<string, any>} message
    * @returns {Promise<any>}
    */
@@ -130,6 +136,7 @@ export class Link {
     const open = this.socket?.readyState === WebSocket.OPEN;
     if (!open || (this.store.link !== "ready" && message.type !== "stop"))
       return Promise.reject(new Refused("gone", "gone"));
+    if (this.store.free && !TAKES_NO_CONTROL.includes(message.type)) this.write({ type: "lease", action: "take" });
     const id = this.write(message);
     return new Promise((resolve, reject) => this.waiting.set(id, { resolve, reject }));
   }

@@ -11,7 +11,7 @@ import { seePanel } from "./see.js";
 import { settingsPanel } from "./settings.js";
 import { stopBar } from "./stop.js";
 import { Store } from "./store.js";
-import { talkPanel } from "./talk.js";
+import { questionCard, talkPanel } from "./talk.js";
 import { loadWords, number, say } from "./words.js";
 
 /** The panels in the order of the tabs; those from `do` on share a place on a desk. */
@@ -20,7 +20,7 @@ const ASIDE = ["do", "know", "settings"];
 
 /** @param {Store} store */
 function topBar(store, /** @type {Link} */ link) {
-  const name = h("h1", {}, "EdgeVox");
+  const name = h("h1", { dir: "auto" }, "EdgeVox");
   const state = h("span", { class: "chip state", role: "status" });
   const battery = h("span", { class: "chip battery", hidden: true });
   store.on("hello", () => {
@@ -66,21 +66,17 @@ function consolePage(store, link) {
       const aside = ASIDE.includes(its ?? "") && ASIDE.includes(name);
       one.classList.toggle("chosen", its === name);
       if (aside) one.classList.toggle("aside-chosen", its === name);
-      if (one.matches(".tabs .tab")) one.toggleAttribute("aria-current", its === name);
-      if (aside && one.matches(".side-switch .tab")) one.toggleAttribute("aria-current", its === name);
+      if (one.matches(".tabs .tab") || (aside && one.matches(".side-switch .tab"))) one.setAttribute("aria-current", String(its === name));
     }
     look(link);
   };
-  for (const one of panels) {
-    if (!ASIDE.includes(one.dataset.panel ?? "")) continue;
-    one.classList.add("side-panel");
-    one.prepend(tabBar(choose, ASIDE, "side-switch"));
-  }
-  const page = h("div", { class: "shell" }, topBar(store, link), noticeBar(store), h("main", { class: "panels" }, ...panels),
-    stopBar(store, link), tabBar(choose, PANELS.map(([name]) => name), "tabs"));
+  const [before, aside] = [false, true].map((on) => panels.filter((one) => ASIDE.includes(one.dataset.panel ?? "") === on));
+  const side = h("div", { class: "side" }, tabBar(choose, ASIDE, "side-switch"), ...aside);
+  const page = h("div", { class: "shell" }, topBar(store, link), noticeBar(store), h("main", { class: "panels" }, ...before, side),
+    h("div", { class: "bottom" }, questionCard(store, link), stopBar(store, link)), tabBar(choose, PANELS.map(([name]) => name), "tabs"));
   document.getElementById("page")?.replaceChildren(page, toasts);
   choose("do");
-  choose(matchMedia("(min-width: 900px)").matches ? "do" : "talk");
+  choose(matchMedia("(min-width: 900px) and (min-height: 520.02px)").matches ? "do" : "talk");
   store.on("link", () => look(link));
   document.addEventListener("visibilitychange", () => look(link));
 }

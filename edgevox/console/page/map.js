@@ -127,12 +127,12 @@ function tapSheet(store, link, canvas) {
     at = { x: Math.round(x * 100) / 100, y: Math.round(y * 100) / 100 };
     where.textContent = say("point", { x: number(at.x, 2), y: number(at.y, 2) });
     name.value = "";
-    for (const one of [go, name]) one.disabled = !store.commands;
+    for (const one of [go, name]) one.disabled = !store.may;
     go.hidden = store.capabilities.goto === false;
     form.hidden = store.capabilities.name_place === false;
     naming = "";
     element.hidden = go.hidden && form.hidden;
-    (store.commands && !go.hidden ? go : name).focus();
+    (store.may && !go.hidden ? go : name).focus();
   };
   return { element, offer };
 }

@@ -8,9 +8,11 @@ export function pairPage(paired) {
   const offered = new URLSearchParams(location.hash.slice(1)).get("pair") ?? "";
   const code = h("input", { type: "text", class: "code", required: true, maxlength: "32", value: offered, autocomplete: "one-time-code",
     autocapitalize: "characters", spellcheck: "false", "aria-label": say("code"), "aria-describedby": "pair-why" });
+  const name = h("input", { type: "text", maxlength: "40", autocomplete: "nickname" });
   const why = h("p", { class: "notice bad", role: "alert", id: "pair-why", hidden: true });
   const form = h("form", { class: "card pair stack" }, h("div", { class: "badge" }, sign("talk")), h("h1", {}, say("pair_title")),
-    h("p", { class: "quiet" }, say("pair_how")), code, h("button", { class: "primary big", type: "submit" }, say("pair")), why,
+    h("p", { class: "quiet" }, say("pair_how")), code,
+    h("label", { class: "field" }, h("span", {}, say("device_name")), name), h("button", { class: "primary big", type: "submit" }, say("pair")), why,
     certificateLink());
   const tell = (/** @type {string} */ text) => {
     why.hidden = !text;
@@ -21,7 +23,7 @@ export function pairPage(paired) {
     tell("");
     try {
       const answer = await fetch("/api/pair", { method: "POST", headers: { "Content-Type": "application/json" },
-        body: JSON.stringify({ code: code.value.trim() }) });
+        body: JSON.stringify({ code: code.value.trim(), name: name.value.trim() }) });
       if (answer.ok) {
         history.replaceState(null, "", "/");
         paired();

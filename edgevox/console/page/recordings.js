@@ -46,13 +46,13 @@ export function recordingPart(store, link) {
     const now = store.status.recording ?? {};
     const { running, seconds = 0, why = "", files: kept = [] } = now;
     button.textContent = running ? say("record_stop", { seconds: number(seconds, 0) }) : say("record_start");
-    button.disabled = !store.commands || Boolean(now.full && !running);
+    button.disabled = !store.may || Boolean(now.full && !running);
     const room = say("record_room", { room: number(Math.max(0, now.room ?? 0) / 1e6, 0) });
     size.textContent = running ? `${say("record_size", { size: megabytes(now.bytes) })} ${room}` : room;
     full.hidden = !now.full;
     failed.hidden = !why;
     failed.textContent = why && say("record_failed", { why });
-    const listed = JSON.stringify([kept, store.role, store.commands]);
+    const listed = JSON.stringify([kept, store.role, store.may]);
     if (listed === shown) return; // what is drawn anew loses the keyboard
     shown = listed;
     files.replaceChildren(...(store.role === "operator" ? kept : []).map((one) => recordingRow(one, store, link)));
@@ -69,7 +69,7 @@ export function recordingPart(store, link) {
 function recordingRow(one, store, link) {
   const begun = one.begun && new Date(1000 * one.begun).toLocaleString(language(), { dateStyle: "medium", timeStyle: "medium" });
   const words = say("record_delete", { name: one.name });
-  const button = h("button", { type: "button", "aria-label": words, disabled: !store.commands }, sign("close"));
+  const button = h("button", { type: "button", "aria-label": words, disabled: !store.may }, sign("close"));
   const { element, ask } = question(button, () => words, () =>
     link.send({ type: "delete_recording", name: one.name }).catch(tellRefusal));
   button.addEventListener("click", ask);

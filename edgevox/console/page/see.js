@@ -30,7 +30,7 @@ export function seePanel(store, link) {
     showGoal(goal, progress, store.live.goal);
     showJoints(joints, store.live.joints);
     facts.replaceChildren(...factsOf(store.live).map(([name, value]) =>
-      h("div", { class: "fact" }, h("span", { class: "quiet" }, name), h("strong", {}, value))));
+      h("div", { class: "fact" }, h("span", { class: "quiet" }, name), h("strong", { dir: "auto" }, value))));
   });
   return panel;
 }

@@ -1,8 +1,8 @@
 /** The robot's settings that can change while it runs, and the language of this page. */
 import { question } from "./ask.js";
 import { certificateLink } from "./certificate.js";
-import { h } from "./dom.js";
-import { onlyWithTurn } from "./lease.js";
+import { h, redraw } from "./dom.js";
+import { onlyWithControl } from "./lease.js";
 import { tellRefusal } from "./notices.js";
 import { LANGUAGES, chooseLanguage, language, say, sayOr } from "./words.js";
 
@@ -22,14 +22,14 @@ export function settingsPanel(store, link) {
     });
   const show = () => {
     const c = store.controls;
-    fields.replaceChildren(
+    redraw(fields,
       choice(say("robot_language"), c.languages?.length ? c.languages : Object.keys(LANGUAGES), c.language ?? "", named, (v) => set("language", v)),
       choice(say("voice"), ["", ...(c.voices ?? [])], c.voice ?? "", (v) => v || say("best_voice"), (v) => set("voice", v)),
       choice(say("confirm"), c.confirms ?? CONFIRMS, c.confirm ?? "", (v) => sayOr(`confirm_${v}`, v), (v) => set("confirm", v)),
       flip(say("muted"), Boolean(c.muted), (on) => set("muted", on)));
   };
   for (const type of ["hello", "controls"]) store.on(type, show);
-  onlyWithTurn(store, fields);
+  onlyWithControl(store, fields);
   const page = choice(say("page_language"), Object.keys(LANGUAGES), language(), named, chooseLanguage);
   const leave = h("button", { type: "button" }, say("log_out"));
   const { element: sure, ask } = question(leave, () => say("log_out"), () =>

@@ -32,9 +32,19 @@ export class Store {
     this.listeners = new Map();
   }
 
-  /** Whether this page may command just now. */
+  /** Whether this page has control just now. */
   get commands() {
     return this.link === "ready" && this.role === "operator" && Boolean(this.lease.mine);
+  }
+
+  /** Whether nobody has control, so that this page's first command takes it. */
+  get free() {
+    return this.link === "ready" && this.role === "operator" && !this.lease.holder;
+  }
+
+  /** Whether a command of this page would be taken just now. */
+  get may() {
+    return this.commands || this.free;
   }
 
   /**
@@ -64,6 +74,7 @@ export class Store {
     else if (type === "stop") this.stop = /** @type {any} */ (rest);
     else if (type === "controls") this.controls = { ...this.controls, ...rest };
     this.tell(type, message);
+    if (type === "hello") for (const past of message.talk ?? []) this.take(past);
   }
 
   /** @param {Record<string, any>} hello */

@@ -1,23 +1,27 @@
 /** The conversation: what was heard, what was decided and how sure, what the robot says. */
-import { h, sign } from "./dom.js";
-import { tellRefusal } from "./notices.js";
+import { h, keepFocus, sign } from "./dom.js";
+import { otherHolder } from "./lease.js";
+import { tellRefusal, whyNot } from "./notices.js";
 import { soundButtons } from "./talk_sound.js";
-import { say, sayOr, number } from "./words.js";
+import { isolated, say, sayOr, number } from "./words.js";
 
 const KEPT_TURNS = 60;
+const NEAR_END_PX = 80;
 const TOLD_OUTCOMES = ["answered", "asked", "refused", "interrupted", "failed", "not_understood"];
 
 /** One exchange as it stands on the page. */
 class Turn {
   constructor() {
-    this.heard = h("p", { class: "bubble mine", hidden: true });
+    this.heard = h("p", { class: "bubble mine", dir: "auto", hidden: true });
     this.notes = h("p", { class: "notes", hidden: true });
-    this.answer = h("p", { class: "bubble robots", hidden: true });
-    this.detail = h("p", { class: "detail", hidden: true });
+    this.answer = h("p", { class: "bubble robots", dir: "auto", hidden: true });
+    this.detail = h("p", { class: "detail", dir: "auto", hidden: true });
     this.element = h("div", { class: "turn" }, this.heard, this.notes, this.answer, this.detail);
     this.whole = "";
     /** Whether it was told what its words were understood as. */
     this.decided = false;
+    /** @type {Set<string>} */
+    this.noted = new Set();
   }
 
   /** @param {HTMLElement} part @param {string} text */
@@ -28,7 +32,27 @@ class Turn {
 
   /** @param {string} text */
   note(text) {
-    if (text) this.fill(this.notes, [this.notes.textContent, text].filter(Boolean).join(" · "));
+    if (text) this.noted.add(text);
+    this.fill(this.notes, [...this.noted].join(" \u00b7 "));
+  }
+
+  /** Words that were not heard, and why. @param {"waiting" | "undone"} state @param {string} text */
+  unheard(state, text) {
+    this.element.dataset.unheard = state;
+    this.noted.clear();
+    this.note(text);
+  }
+
+  /** Whether its words may still be heard. */
+  get waits() {
+    return this.element.dataset.unheard === "waiting";
+  }
+
+  /** Its words are heard now. */
+  arrived() {
+    delete this.element.dataset.unheard;
+    this.noted.clear();
+    this.note("");
   }
 }
 
@@ -37,10 +61,73 @@ class Turn {
  * @param {import("./link.js").Link} link
  */
 export function talkPanel(store, link) {
+  /** @type {Map<any, Turn>} */
   const turns = new Map();
+  /** What was typed here and is not heard yet, the oldest first. @type {Set<Turn>} */
+  const unheard = new Set();
   const log = h("div", { class: "scroll conversation", role: "log", "aria-label": say("conversation"), tabindex: "0" },
     h("p", { class: "empty" }, say("talk_empty")));
-  const question = questionCard(store, link);
+  const change = endInSight(log);
+  /** Words that wait stay below what was heard. */
+  const place = (/** @type {Turn} */ turn) => {
+    log.querySelector(".empty")?.remove();
+    const waits = [...unheard].find((one) => one !== turn && one.waits);
+    log.insertBefore(turn.element, waits?.element ?? null);
+  };
+  /** What was typed here, if it is heard now; what was dropped before it is not heard any more. */
+  const typed = (/** @type {string} */ text) => {
+    const same = [...unheard].filter((one) => sameWords(one.heard.textContent, text));
+    const found = same.find((one) => one.waits) ?? same[0];
+    if (found) for (const one of unheard) {
+      if (one === found || !one.waits) unheard.delete(one);
+      if (one === found) break;
+    }
+    found?.arrived();
+    return found;
+  };
+  const turnOf = (/** @type {any} */ message) => {
+    const key = message.turn || `alone ${Math.random()}`;
+    let turn = turns.get(key);
+    if (turn) return turn;
+    turn = (message.kind === "heard" && typed(message.text)) || new Turn();
+    place(turn);
+    turns.set(key, turn);
+    if (turns.size > KEPT_TURNS) forgetOldest(turns);
+    return turn;
+  };
+  /** What is typed stands there at once, and what was not done says why. */
+  const tell = (/** @type {string} */ text, /** @type {HTMLInputElement} */ input) => {
+    const turn = new Turn();
+    unheard.add(turn);
+    change(() => {
+      turn.fill(turn.heard, text);
+      turn.unheard("waiting", say("said_waiting"));
+      log.querySelector(".empty")?.remove();
+      log.append(turn.element);
+    }, true);
+    input.value = "";
+    link.send({ type: "text", text }).catch((error) => change(() => {
+      unheard.delete(turn);
+      turn.unheard("undone", whyNot(error.code, error.why));
+      input.value ||= text;
+    }));
+  };
+  const drop = () => change(() => {
+    for (const turn of unheard) turn.unheard("undone", say("said_dropped"));
+  });
+  store.on("talk", (message) => change(() => tellTurn(turnOf, message)));
+  store.on("event", (event) => change(() => noteEvent(turns.get(event.turn), event)));
+  store.on("event", (event) => event.kind === "safety_preempt" && drop());
+  store.on("stop", ({ engaged }) => engaged && drop());
+  store.on("hello", ({ talk = [] }) => {
+    if (talk.length) for (const turn of turns.values()) turn.element.remove(); // it tells them all
+    turns.clear(); // a robot that was started again counts anew
+  });
+  return h("section", { class: "card talk-card" }, log, soundButtons(store, link), composer(store, link, words(tell)));
+}
+
+/** @param {(text: string, input: HTMLInputElement) => void} tell */
+function words(tell) {
   const input = h("input", { type: "text", maxlength: "500", autocomplete: "off", enterkeyhint: "send",
     placeholder: say("type_here"), "aria-label": say("type_here") });
   const form = h("form", { class: "row tight write" }, input,
@@ -48,27 +135,56 @@ export function talkPanel(store, link) {
   form.addEventListener("submit", (event) => {
     event.preventDefault();
     const text = input.value.trim();
-    if (!text) return;
-    link.send({ type: "text", text }).then(() => (input.value = ""), tellRefusal);
+    if (text) tell(text, input);
   });
-  const turnOf = (/** @type {any} */ message) => {
-    const key = message.turn || `alone ${Math.random()}`;
-    if (!turns.has(key)) {
-      const made = new Turn();
-      turns.set(key, made);
-      log.querySelector(".empty")?.remove();
-      log.append(made.element);
-      if (turns.size > KEPT_TURNS) forgetOldest(turns);
-    }
-    return turns.get(key);
+  return form;
+}
+
+/**
+ * Keeps the end of a list in sight while somebody looks at it, also when the list gets smaller.
+ * @param {HTMLElement} log
+ * @returns {(act: () => void, always?: boolean) => void} what changes the list
+ */
+function endInSight(log) {
+  let atEnd = true;
+  let height = 0;
+  const keep = () => {
+    height = log.clientHeight;
+    if (atEnd) log.scrollTop = log.scrollHeight;
   };
-  store.on("talk", (message) => {
-    const bottom = log.scrollHeight - log.scrollTop - log.clientHeight < 80;
-    tellTurn(turnOf, message);
-    if (bottom) log.scrollTop = log.scrollHeight;
+  log.addEventListener("scroll", () => {
+    if (log.clientHeight !== height) return; // it got smaller, which its observer is told after this
+    atEnd = log.scrollHeight - log.scrollTop - height < NEAR_END_PX;
   });
-  store.on("event", (event) => event.turn && turns.has(event.turn) && noteEvent(turns.get(event.turn), event));
-  return h("section", { class: "card talk-card" }, log, question, soundButtons(store), form);
+  new ResizeObserver(keep).observe(log);
+  return (act, always = false) => {
+    if (always) atEnd = true;
+    act();
+    keep();
+  };
+}
+
+/** Whether the robot heard what was typed; it tells letters in one form. @param {string | null} typed @param {string} heard */
+function sameWords(typed, heard) {
+  const plain = (/** @type {string} */ text) => text.normalize("NFKC").replace(/[`\u00b4\u2018\u2019\u02bc\u2032]/g, "'").replace(/\s+/g, " ").trim();
+  return plain(typed ?? "") === plain(heard);
+}
+
+/**
+ * The field for words, or who else has control.
+ * @param {import("./store.js").Store} store
+ * @param {import("./link.js").Link} link
+ * @param {HTMLElement} form
+ */
+function composer(store, link, form) {
+  const viewer = h("p", { class: "hint", hidden: true }, say("viewer"));
+  const box = h("div", { class: "composer" }, form, otherHolder(store, link), viewer);
+  const show = () => keepFocus(box, () => {
+    viewer.hidden = store.role === "operator";
+    form.hidden = store.role !== "operator" || Boolean(store.lease.holder && !store.lease.mine);
+  });
+  for (const type of ["hello", "lease", "link"]) store.on(type, show);
+  return box;
 }
 
 /** @param {Map<any, Turn>} turns */
@@ -108,7 +224,7 @@ function tellOutcome(turn, { outcome, stage }) {
 }
 
 /** @param {{skill: string, arguments?: Record<string, any>}} call */
-const called = (call) => `${call.skill}(${Object.values(call.arguments ?? {}).join(", ")})`;
+const called = (call) => isolated(`${call.skill}(${Object.values(call.arguments ?? {}).join(", ")})`);
 
 /** @param {number} part */
 const percent = (part) => number(100 * part, 0);
@@ -120,19 +236,19 @@ function decision(stage, sure, text = "") {
   return parts.filter(Boolean).join(" · ");
 }
 
-/** What is done though no words of its turn were understood as it, such as after a yes. @param {Turn} turn @param {any} event */
+/** What is done though no words of its turn were understood as it, such as after a yes. @param {Turn | undefined} turn @param {any} event */
 function noteEvent(turn, event) {
-  if (event.kind !== "tool_call" || turn.decided) return;
+  if (event.kind !== "tool_call" || !turn || turn.decided) return;
   turn.decided = true;
   turn.note(decision(event.source, undefined, called(event)));
 }
 
 /**
- * What the robot asks, with yes and no.
+ * What the robot asks, with yes and no: in sight whatever part is shown.
  * @param {import("./store.js").Store} store
  * @param {import("./link.js").Link} link
  */
-function questionCard(store, link) {
+export function questionCard(store, link) {
   const words = h("p", { class: "fill" });
   const answer = (/** @type {boolean} */ yes) => () => link.send({ type: "answer", yes }).catch(tellRefusal);
   const card = h("div", { class: "question", role: "alert", hidden: true }, words, h("div", { class: "row tight" },

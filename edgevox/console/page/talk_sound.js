@@ -5,6 +5,9 @@ import { say, sayOr } from "./words.js";
 /** States in which nobody is heard, each with a sentence of the page. */
 const BROKEN = ["denied", "absent", "busy", "lost", "failed", "unsupported"];
 
+/** The keys that press a button. */
+const PRESSES = ["Enter", " "];
+
 /** Why this browser has no microphone for us; empty if it may have one. */
 function whyDeaf() {
   if (!window.isSecureContext) return "insecure";
@@ -23,8 +26,11 @@ async function openSound(onState) {
   return sound;
 }
 
-/** @param {import("./store.js").Store} store */
-export function soundButtons(store) {
+/**
+ * @param {import("./store.js").Store} store
+ * @param {import("./link.js").Link} link
+ */
+export function soundButtons(store, link) {
   const why = h("p", { class: "quiet small-text", role: "status" });
   /** @type {Promise<any> | null} */
   let opened = null;
@@ -40,15 +46,20 @@ export function soundButtons(store) {
     throw error;
   }));
   const use = (/** @type {(s: any) => any} */ action) => sound().then(action);
-  const talk = holdToTalk(use);
-  const open = toggle("waves", say("open_microphone"), (on) => use((s) => s.open(on)));
+  /** To speak takes control of a free robot. */
+  const speak = async (/** @type {boolean} */ on, /** @type {(s: any) => any} */ action) => {
+    if (on && store.free) await link.send({ type: "lease", action: "take" });
+    return use(action);
+  };
+  const talk = holdToTalk(speak);
+  const open = toggle("waves", say("open_microphone"), (on) => speak(on, (s) => s.open(on)));
   const hear = toggle("ear", say("hear_here"), (on) => use((s) => s.hear(on)));
   const box = h("div", { class: "sound" }, h("div", { class: "row tight" }, talk, open, hear), why);
   const show = () => {
     const deaf = whyDeaf();
     const speaks = Boolean(store.capabilities.sound);
     box.hidden = !speaks;
-    talk.disabled = open.disabled = Boolean(deaf) || !store.commands;
+    talk.disabled = open.disabled = Boolean(deaf) || !store.may;
     hear.disabled = store.link !== "ready" || !window.isSecureContext || !window.AudioWorkletNode;
     if (deaf) tell(deaf);
   };
@@ -57,8 +68,8 @@ export function soundButtons(store) {
   return box;
 }
 
-/** @param {(action: (sound: any) => any) => Promise<any>} use */
-function holdToTalk(use) {
+/** @param {(on: boolean, action: (sound: any) => any) => Promise<any>} speak */
+function holdToTalk(speak) {
   const button = h("button", { class: "hold fill", type: "button", "aria-pressed": "false" },
     sign("microphone"), h("span", {}, say("hold_to_talk")));
   let held = false;
@@ -67,7 +78,7 @@ function holdToTalk(use) {
     held = on;
     button.classList.toggle("on", on);
     button.setAttribute("aria-pressed", String(on));
-    use((sound) => sound.hold(held)).catch(() => (held = false) || button.classList.remove("on"));
+    speak(on, (sound) => sound.hold(held)).catch(() => (held = false) || button.classList.remove("on"));
   };
   button.addEventListener("pointerdown", (event) => {
     if (event.button !== 0) return;
@@ -76,8 +87,8 @@ function holdToTalk(use) {
   });
   for (const end of ["pointerup", "pointercancel", "lostpointercapture", "blur", "release"])
     button.addEventListener(end, () => hold(false));
-  button.addEventListener("keydown", (event) => event.key === "Enter" && !event.repeat && hold(true));
-  button.addEventListener("keyup", (event) => event.key === "Enter" && hold(false));
+  button.addEventListener("keydown", (event) => PRESSES.includes(event.key) && !event.repeat && hold(true));
+  button.addEventListener("keyup", (event) => PRESSES.includes(event.key) && hold(false));
   button.addEventListener("contextmenu", (event) => event.preventDefault());
   window.addEventListener("blur", () => hold(false));
   return button;

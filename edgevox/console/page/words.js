@@ -38,17 +38,28 @@ export function chooseLanguage(chosen) {
 }
 
 /**
+ * A name or a piece of code as it reads by itself, whatever is written around it.
+ * @param {string} text
+ */
+export const isolated = (text) => (rightToLeft() ? `\u2068${text}\u2069` : text);
+
+/** Whether the page is written from right to left. */
+const rightToLeft = () => document.documentElement.dir === "rtl";
+
+/**
  * The words for a key, with their {values}.
  * @param {string} key
  * @param {Record<string, string | number>} [values]
  */
 export function say(key, values = {}) {
-  return (words[key] ?? key).replace(/\{(\w+)\}/g, (_, name) => String(values[name] ?? ""));
+  return (words[key] ?? key).replace(/\{(\w+)\}/g, (_, name) => isolated(String(values[name] ?? "")));
 }
 
 /** The words for a key, or another text where there are none. @param {string} key @param {string} other */
 export const sayOr = (key, other) => words[key] ?? other;
 
-/** @param {number} value @param {number} [digits] */
-export const number = (value, digits = 1) =>
-  value.toLocaleString(code, { maximumFractionDigits: digits, minimumFractionDigits: digits });
+/** A number, which is always written from left to right. @param {number} value @param {number} [digits] */
+export const number = (value, digits = 1) => {
+  const text = value.toLocaleString(code, { maximumFractionDigits: digits, minimumFractionDigits: digits });
+  return rightToLeft() ? `\u2066${text}\u2069` : text;
+};

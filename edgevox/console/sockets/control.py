@@ -184,7 +184,8 @@ class ControlPage:
         if releases and self._hub.driving:
             self._hub.driving.release(self)
             return True
-        if not self._limits.commands.allows(self.session.id):
+        asks = not isinstance(message, page_messages.Ping | page_messages.Look)
+        if asks and not self._limits.commands.allows(self.session.id):
             raise NotPermitted("rate", f"at most {PER_S:g} commands a second")
         self._authorise(message)
         match message:
@@ -245,6 +246,8 @@ class ControlPage:
             done = lease.take(client)
         elif message.action == "request":
             lease.request(client)
+        elif message.action == "withdraw":
+            lease.withdraw(client)
         else:
             done = lease.give(client, message.to)
         self._hub.tell_lease()
@@ -336,6 +339,7 @@ class ControlPage:
             "lease": hub.lease_of(self.session),
             "stop": hub.stop_of(),
             "controls": {**told.get("controls", {}), **hub.controls_of()},
+            "talk": hub.last_turns.messages(),
             "recording": hub.context.recorder is not None and hub.context.recorder.running,
         }
         return encode(hello) or "{}"

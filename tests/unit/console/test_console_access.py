@@ -39,6 +39,25 @@ async def _pair(client: aiohttp.ClientSession, rig: Rig, code: str, origin: str 
         return told.status
 
 
+def test_a_browser_is_called_as_its_person_says_and_no_two_the_same(rig: Rig) -> None:
+    async def pair(name: object) -> int:
+        code, _ = rig.server.offer_code()
+        async with aiohttp.ClientSession(headers={"User-Agent": "Chrome Android"}) as client:
+            told = {"code": code.code, "name": name}
+            headers = {"Origin": rig.server.url}
+            async with client.post(
+                rig.server.url + "/api/pair", json=told, headers=headers
+            ) as answer:
+                return answer.status
+
+    async def pair_all() -> list[int]:
+        return [await pair(name) for name in ("Anna\x1b[31m  phone", "", "", "x" * 99)]
+
+    assert asyncio.run(pair_all()) == [200] * 4
+    names = [session.name for session in rig.server.sessions.all()]
+    assert sorted(names) == ["Anna phone", "Chrome Android", "Chrome Android 2", "x" * 40]
+
+
 def test_a_code_lets_one_browser_in_with_a_cookie_that_scripts_do_not_see(rig: Rig) -> None:
     code, address = rig.server.offer_code(Role.VIEWER)
     assert address == f"{rig.server.url}/#pair={code.code}"

@@ -105,6 +105,21 @@ def test_the_lease_is_asked_for_and_given(rig: Rig) -> None:
     assert asyncio.run(give())["type"] == "ok"
 
 
+def test_who_asked_for_the_lease_may_ask_no_longer(rig: Rig) -> None:
+    async def ask() -> dict[str, object]:
+        async with rig.page() as one, rig.page() as two:
+            await one.ask(type="lease", action="take")
+            await two.ask(type="lease", action="request")
+            while not (told := await one.until("lease"))["waiting"]:
+                pass
+            await two.ask(type="lease", action="withdraw")
+            while (told := await one.until("lease"))["waiting"]:
+                pass
+            return told
+
+    assert asyncio.run(ask())["mine"] is True
+
+
 def test_what_is_driven_is_halted_once_when_it_is_released(rig: Rig) -> None:
     async def drive() -> None:
         async with rig.page() as page:

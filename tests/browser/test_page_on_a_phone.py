@@ -1,0 +1,95 @@
+"""A phone, upright and on its side: name, control, Stop, its banner and a question stay there."""
+
+import pytest
+from browser_rig import PHONE, Opens, page_words
+from playwright.sync_api import Page, expect
+from stand_in import Robot
+from test_page_drives import until
+
+NAME = "robot-apartment-of-the-second-floor"
+PARTS = ("talk", "see", "do", "know", "settings")
+SIDE = {**PHONE, "viewport": {"width": 844, "height": 390}}
+UPRIGHT = pytest.param(PHONE, id="upright")
+ON_ITS_SIDE = pytest.param(SIDE, id="on its side")
+LETTERS = """(name, count) => {
+    const range = document.createRange();
+    range.setStart(name.firstChild, 0);
+    range.setEnd(name.firstChild, count);
+    return range.getBoundingClientRect().width; }"""
+
+
+def busy(page: Page, robot: Robot, *, name: str = "Chrome Linux of the second floor") -> None:
+    """All at once: another operator, a recording, a question, a stop."""
+    robot.tell(type="lease", holder="x", name=name, mine=False, waiting=[])
+    robot.tell(type="recording", running=True)
+    robot.tell(type="talk", kind="asked", turn=1, text="Shall I go to the kitchen?", open=True)
+    robot.tell(type="stop", engaged=True, by=name, since=1.0)
+    expect(page.locator(".stopped")).to_be_visible()
+
+
+def reachable(page: Page, part: str) -> None:
+    """It can be brought into the window, and takes the press there."""
+    page.locator(part).click(trial=True)
+
+
+def unshifted(page: Page) -> None:
+    """Nothing has moved aside, nor can be moved."""
+    moved = """() => [...document.querySelectorAll("html, body, .shell")].map((e) => {
+        e.scrollLeft = 999;
+        return e.scrollLeft; })"""
+    assert page.evaluate(moved) == [0, 0, 0]
+
+
+@pytest.mark.parametrize("device", [UPRIGHT, ON_ITS_SIDE])
+def test_stop_its_banner_and_the_question_stand_in_every_part(
+    opens: Opens, robot: Robot, device: dict
+) -> None:
+    page = opens(**device, command=False)
+    busy(page, robot)
+    for part in PARTS:
+        page.locator(f".tabs [data-panel={part}]").click()
+        for shown in ("button.stop", ".resume", ".question button.primary"):
+            expect(page.locator(shown)).to_be_in_viewport(ratio=1)
+    page.get_by_role("button", name=page_words("yes")).click()
+    until(page, lambda: [one["yes"] for one in robot.commands("answer")] == [True])
+
+
+@pytest.mark.parametrize("device", [UPRIGHT, ON_ITS_SIDE])
+def test_the_robots_name_keeps_eight_letters_and_control_of_it_its_place(
+    opens: Opens, robot: Robot, device: dict
+) -> None:
+    robot.hello["robot"] = NAME
+    page = opens(**device, command=False)
+    busy(page, robot)
+    name = page.locator("h1")
+    assert name.bounding_box()["width"] >= name.evaluate(LETTERS, 8)
+    ask = page.locator(".lease").get_by_role("button", name=page_words("ask_turn"))
+    expect(ask).to_be_in_viewport(ratio=1)
+    ask.click()
+    unshifted(page)
+
+
+@pytest.mark.parametrize("device", [UPRIGHT, ON_ITS_SIDE])
+def test_text_of_twice_its_size_keeps_everything_in_reach(
+    opens: Opens, robot: Robot, device: dict
+) -> None:
+    robot.hello["robot"] = NAME
+    page = opens(**device, command=False)
+    page.evaluate("document.documentElement.style.fontSize = '200%'")
+    name = page.locator("h1")
+    assert name.bounding_box()["width"] >= name.evaluate(LETTERS, 8)
+    for shown in (
+        ".lease button.primary",
+        ".write input",
+        ".write button",
+        ".sound .round >> nth=1",
+    ):
+        reachable(page, shown)
+    busy(page, robot)
+    page.locator(".lease").get_by_role("button", name=page_words("ask_turn")).click(trial=True)
+    page.get_by_role("button", name=page_words("no")).click(trial=True)
+    page.locator(".resume").scroll_into_view_if_needed()
+    for part in PARTS:
+        reachable(page, f".tabs [data-panel={part}]")
+        expect(page.locator("button.stop")).to_be_in_viewport(ratio=1)
+    unshifted(page)
