@@ -102,7 +102,9 @@ class Interpreter:
         plain = self.plain(text)
         if isinstance(plain, Meaning) and not _goes_back_from_there(plain):
             return self._taken(plain, turn)
-        program, sure = self._programs.understand(text, self._plain_calls, self._free_calls)
+        program, sure = self._programs.understand(said, self._plain_calls, self._free_calls)
+        if text != said and not isinstance(program, Program):  # as said: it may hold words to say
+            program, sure = self._programs.understand(text, self._plain_calls, self._free_calls)
         if isinstance(program, Program):
             how = ("template", 1.0) if sure else ("reading", ASK_FROM)
             return Meaning(self.active, (), *how, program=program)

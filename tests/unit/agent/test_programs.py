@@ -160,6 +160,12 @@ def test_then_say_is_part_of_one_order(talk):
     assert talk.said[-2:] == ["I am in the kitchen.", "hello"]
 
 
+def test_words_to_say_aloud_keep_what_an_order_would_lose(talk):
+    talk.body.arrive(1)
+    talk.ask("uh go to the kitchen and when you are there, say uh hello hello")
+    talk.until_said("uh hello hello")
+
+
 def test_a_low_battery_is_noticed_and_the_order_done_once(talk):
     assert talk.ask(LOW) == "As soon as my battery is below 20 percent: going to the dock."
     talk.clock.advance(60)
