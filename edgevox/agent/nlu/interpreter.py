@@ -98,8 +98,8 @@ class Interpreter:
 
     def understand(self, text: str, turn: Turn) -> Meaning | None:
         """The meaning of an utterance; None if `turn` has answered it in words."""
-        said, text = text, fluent(text, self._code)
         plain = self.plain(text)
+        said, text = text, fluent(text, self._code)
         if isinstance(plain, Meaning) and not _goes_back_from_there(plain):
             return self._taken(plain, turn)
         program, sure = self._programs.understand(said, self._plain_calls, self._free_calls)
@@ -132,8 +132,16 @@ class Interpreter:
         return self._ask_model(self._model, said, turn)
 
     def plain(self, text: str) -> Meaning | RefusedCommand | None:
-        """The meaning or the refusal that the templates alone find; says nothing."""
-        text = fluent(text, self._code)
+        """The meaning or the refusal that the templates alone find; says nothing.
+
+        Words as they were said come first: a name may hold what sounds like a slip.
+        """
+        found, smooth = self._plainly(text), fluent(text, self._code)
+        if smooth == text or (isinstance(found, Meaning) and found.sure):
+            return found
+        return self._plainly(smooth) or found
+
+    def _plainly(self, text: str) -> Meaning | RefusedCommand | None:
         for agent in self._active_first():
             found = self._recognisers[agent.name].recognise(text)
             if isinstance(found, Understood):

@@ -27,7 +27,7 @@ MAX_MODEL_CALLS = 5
 MAX_SENTENCES = 2
 MAX_SENTENCE_CHARACTERS = 160
 MAX_STRING_CHARACTERS = 60
-_CODE = r"(){}\[\]<>=;_|`\x5e~"
+_CODE = r"(){}\x5b\x5d<>=;_|`\x5e~"
 """Characters of calls and of code, in a character class: no sentence that is spoken has one."""
 _DIGITS, _DECIMALS = 4, 2
 _FEW = 64
