@@ -92,6 +92,10 @@ BENCHMARKS: Mapping[str, Benchmark] = {
         "what becomes of what strangers say, and whether anything moves that should not",
         "measure",
     ),
+    "people_words": Benchmark(
+        "benchmarks.agent.people_words",
+        "what people said to robots in their own words; needs their sentences",
+    ),
     "discovery_scale": Benchmark(
         "benchmarks.wire.discovery", "how soon many agents find each other, and what it costs"
     ),
