@@ -8,14 +8,14 @@ from edgevox.agent.nlu.disfluencies import fluent
     [
         ("uh go to the kitchen", "go to the kitchen"),
         ("go, uhhh, to the kitchen", "go, to the kitchen"),
-        ("and then go straight uh ten feet", "go straight ten feet"),
+        ("and then walk on uh ten metres", "walk on ten metres"),
         ("Ha, go to the kitchen", "go to the kitchen"),
         ("okay so move forward", "move forward"),
         ("t turn left", "turn left"),
-        ("robot turn th thirty degrees", "robot turn thirty degrees"),
-        ("turn fff twenty degrees", "turn twenty degrees"),
-        ("go straight go straight two feet", "go straight two feet"),
-        ("move move forward", "move forward"),
+        ("robot go b back", "robot go back"),
+        ("walk kkk five metres", "walk five metres"),
+        ("drive on drive on two metres", "drive on two metres"),
+        ("walk walk back", "walk back"),
     ],
 )
 def test_what_is_no_word_of_the_sentence_is_left_out(said: str, meant: str) -> None:
