@@ -27,6 +27,7 @@ NEEDS = {
     "an installed ROS 2",
     "another machine",
     "jq",
+    "people's sentences",
 }
 OF_EXAMPLES = {"robot-shuttle", "robot-watchman"}
 MOUNTED, EXAMPLE = "/etc/edgevox/robot", "examples/robot_repository/robot"
