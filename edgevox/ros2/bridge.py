@@ -27,6 +27,7 @@ from edgevox.core.commands import RunSkill
 from edgevox.core.controls import Controls, Value
 from edgevox.core.errors import InvalidValue
 from edgevox.core.events import ControlChanged
+from edgevox.core.log import get_logger
 from edgevox.core.status import Component, Components, Status
 from edgevox.core.ways import Way
 from edgevox.robots.capabilities import Body
@@ -43,6 +44,8 @@ from edgevox.ros2.qos import profile
 from edgevox.ros2.skill_action import open_skill_action
 from edgevox.ros2.ticker import MakeTicker, Ticker
 from edgevox.ros2.topics import Topics
+
+log = get_logger(__name__)
 
 
 class QueryServices:
@@ -145,15 +148,24 @@ class Parameters:
         return SetParametersResult(successful=True)
 
     def _apply(self, changed: Sequence[RosParameter]) -> None:
-        self._controls.change(_controls_of(changed))
+        """Make the change; show what counts where that cannot be done any more since the check."""
+        wanted = _controls_of(changed)
+        try:
+            self._controls.change(wanted)
+        except InvalidValue as error:
+            log.warning("parameter_not_applied", reason=str(error))
+            for name in wanted:
+                self._executor.create_task(self._show, name)
 
     def _follow(self, event: ControlChanged) -> None:
         """Show a change that came another way; on the node's own thread, as rclpy wants it."""
-        self._executor.create_task(self._show, event)
+        self._executor.create_task(self._show, event.name)
 
-    def _show(self, event: ControlChanged) -> None:
-        if self._node.get_parameter(event.name).value != event.value:
-            self._node.set_parameters([RosParameter(event.name, value=event.value)])
+    def _show(self, name: str) -> None:
+        """Show the value that counts now: it may have changed again since the event."""
+        value = getattr(self._controls, name)
+        if self._node.get_parameter(name).value != value:
+            self._node.set_parameters([RosParameter(name, value=value)])
 
 
 def _controls_of(parameters: Sequence[RosParameter]) -> dict[str, Value]:
