@@ -88,18 +88,17 @@ class Robot:
 
     def moves(self, said: Transcript) -> bool:
         """Whether it would move for these words, unasked."""
-        meaning = self._meaning(said)
-        return meaning is not None and meaning.sure and self._drives(meaning)
+        return self.effect(said) == "moves"
 
     def effect(self, said: Transcript) -> str:
         """What becomes of these words, whatever they mean."""
         meaning = self._meaning(said)
-        calls = [self._skills[call.skill] for call in meaning.every_call] if meaning else []
-        if any(one.drives for one in calls):
-            return "moves" if meaning and meaning.sure else "asks"
-        if any(one.lasting for one in calls):
-            return "changes something for good"
-        return Outcome.NOTHING.value
+        if meaning is None:
+            return Outcome.NOTHING.value
+        if self._drives(meaning):
+            return "moves" if meaning.sure else "asks"
+        lasting = any(self._skills[call.skill].lasting for call in meaning.every_call)
+        return "changes something for good" if lasting else Outcome.NOTHING.value
 
     @cached_property
     def _interpreter(self) -> Interpreter:

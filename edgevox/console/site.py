@@ -185,7 +185,7 @@ class Site:
         address = request.remote or ""
         if not self._tries.allows(address):
             raise web.HTTPTooManyRequests(text="wait a minute")
-        told, named = await _code(request)
+        told, named = await _pairing_request(request)
         work = self.hub.work  # disks are slow: a stop must not wait
         async with self._pairs:  # of two at once with the same code one is let in
             try:
@@ -314,7 +314,7 @@ def _attachment(name: str) -> dict[str, str]:
     }
 
 
-async def _code(request: web.Request) -> tuple[str, str]:
+async def _pairing_request(request: web.Request) -> tuple[str, str]:
     """Return the pairing code, and the name that the person gives the browser; empty for none."""
     try:
         told = json.loads(await request.read())

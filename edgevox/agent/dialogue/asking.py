@@ -186,11 +186,10 @@ class Asking:
         """
         self.question.expire()
         answer = self._answers.read(text)
-        if answer and self._counts(answer, text):
+        halt = self._halt(text, answer)
+        if halt is None and answer and self._counts(answer, text):
             return self._answered(answer, turn, said_s)
-        meaning = self._corrected(text)
-        if meaning is None and self._takes_back(text):
-            meaning = self._halt()
+        meaning = self._corrected(text) or halt
         if meaning is None:
             rest = self._unanswered(text)
             if not rest:
@@ -260,9 +259,6 @@ class Asking:
     def _answered(self, answer: Answer, turn: Turn, said_s: float) -> Meaning | None:
         """Act on an answer; return the meaning that a yes carries out, or None."""
         if answer is Answer.NO:
-            if not self.question.asked and self._performer.moving and (halt := self._halt()):
-                turn.decided(halt.every_call, halt.source, halt.measured)
-                return halt if self.act(halt, turn) else None
             asked = self.question.end(ConfirmationStatus.DECLINED)
             turn.say(self._interpreter.phrases.say("left_undone" if asked else "what_instead"))
             return None
@@ -302,17 +298,18 @@ class Asking:
         self.question.end(ConfirmationStatus.DECLINED)
         return Meaning(agent, tuple(right if c is wrong else c for c in calls), "template")
 
-    def _takes_back(self, text: str) -> bool:
-        """True if this is a no to what moves the robot, and no plain command: "no, go east"."""
-        if self.question.asked or not self._performer.moving:
-            return False
-        rest = self._answers.after_no(text)
-        return bool(rest) and self._interpreter.plain(rest) is None
+    def _halt(self, text: str, answer: Answer | None) -> Meaning | None:
+        """The call that ends the motion which these words say no to: "no", "no, go east".
 
-    def _halt(self) -> Meaning | None:
-        """The call that ends the motion; None if the agent cannot stop anything."""
+        None while a question waits for that no, and where a plain command is said.
+        """
         agent = self._interpreter.active
-        return Meaning(agent, (Call(STOP),), "template") if STOP in agent.every_skill else None
+        if self.question.asked or not self._performer.moving or STOP not in agent.every_skill:
+            return None
+        rest = self._answers.after_no(text)
+        denied = answer is Answer.NO and self._counts(answer, text)
+        denied = denied or (bool(rest) and self._interpreter.plain(rest) is None)
+        return Meaning(agent, (Call(STOP),), "template") if denied else None
 
     def _unanswered(self, text: str) -> str:
         """The words left to understand: all, or those after the no of "no, go to the office".

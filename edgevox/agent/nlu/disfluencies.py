@@ -5,66 +5,79 @@ said whole after it ("t turn") and words that are said twice ("go straight go st
 out before a sentence is understood. Stop words are found before that, in the words as they were.
 """
 
+import itertools
 import re
-from functools import lru_cache
+from functools import cache, lru_cache
 
 from edgevox.agent.phrases.load import phrasebook
 from edgevox.agent.text.spelling import key
 
 _LONGEST_REPEAT = 3
+_MARKS = " \u3001\u3002,."
 _LONGER = re.compile(r"(.)\1+")
 _DRAWN_OUT = re.compile(r"([b-df-hj-ln-tvw])\1{2,}[.,]?", re.IGNORECASE)
 """A consonant, held: "fff". Letters of the axes are none of these, nor is the metre's."""
-_AXES = frozenset("xyz")
-_CONSONANTS = re.compile(r"[b-df-hj-np-tv-xz]{1,3}")
-"""Letters of a word that was broken off; with a vowel they may be a word."""
+_BROKEN_OFF = re.compile(r"(?![xyz]$)[b-df-hj-np-tv-xz]{1,3}")
+"""The beginning of a word that is no word: with a vowel it may be one, and so may an axis."""
 
 
 @lru_cache(maxsize=2048)
 def fluent(text: str, language: str) -> str:
     """The sentence without its disfluencies; as it is if nothing else was said."""
+    if not phrasebook(language).hearing.spaced:
+        return _unspaced(text, language) or text
+    hesitations, openers = _known(language)
+    said = [one for one in text.split() if not _DRAWN_OUT.fullmatch(one)]
+    said = [one for one in said if _plain(one) not in hesitations]
+    plain = [_plain(one) for one in said]
+    start = 0
+    while size := max((len(o) for o in openers if plain[start : start + len(o)] == o), default=0):
+        start += size
+    said, plain = _without_begun(said[start:], plain[start:])
+    again = _said_again(plain)
+    return " ".join(one for at, one in enumerate(said) if at not in again) or text
+
+
+def _plain(word: str) -> str:
+    """The word with each lengthened sound once: "uhhh" is "uh"."""
+    return _LONGER.sub(r"\1", key(word))
+
+
+@cache
+def _known(language: str) -> tuple[frozenset[str], list[list[str]]]:
+    """The hesitations and the words of the openers of a language, as `_plain` has them."""
     hearing = phrasebook(language).hearing
-    if not hearing.spaced:
-        return _unspaced(text, hearing.hesitations, hearing.openers)
-    words = [(one, _LONGER.sub(r"\1", key(one))) for one in text.split()]
-    hesitations = {_LONGER.sub(r"\1", key(one)) for one in hearing.hesitations}
-    words = [one for one in words if one[1] not in hesitations and not _DRAWN_OUT.fullmatch(one[0])]
-    openers = [[_LONGER.sub(r"\1", part) for part in key(one).split()] for one in hearing.openers]
-    while size := max((len(o) for o in openers if [w for _, w in words[: len(o)]] == o), default=0):
-        words = words[size:]
-    words = [
-        one for at, one in enumerate(words) if not _is_begun(one[1], [w for _, w in words[at:]])
+    openers = [[_plain(word) for word in key(one).split()] for one in hearing.openers]
+    return frozenset(map(_plain, hearing.hesitations)), openers
+
+
+def _unspaced(text: str, language: str) -> str:
+    hearing = phrasebook(language).hearing
+    for one in hearing.hesitations:
+        text = text.replace(one, "")
+    text = text.lstrip(_MARKS)
+    for one in hearing.openers:
+        text = text.removeprefix(one).lstrip(_MARKS)
+    return text
+
+
+def _without_begun(said: list[str], plain: list[str]) -> tuple[list[str], list[str]]:
+    """The words without those that are only the beginning of the next one."""
+    kept = [
+        at
+        for at, (word, after) in enumerate(itertools.pairwise([*plain, ""]))
+        if not (_BROKEN_OFF.fullmatch(word) and after.startswith(word) and after != word)
     ]
-    kept = [one for at, one in enumerate(words) if not _is_said_again(words, at)]
-    return " ".join(word for word, _ in kept) or text
+    return [said[at] for at in kept], [plain[at] for at in kept]
 
 
-def _unspaced(text: str, hesitations: tuple[str, ...], openers: tuple[str, ...]) -> str:
-    said = text
-    for one in hesitations:
-        said = said.replace(one, "")
-    said = said.lstrip(_MARKS)
-    for one in openers:
-        said = said.removeprefix(one).lstrip(_MARKS)
-    return said or text
-
-
-_MARKS = " \u3001\u3002,."
-
-
-def _is_begun(word: str, rest: list[str]) -> bool:
-    """True if the word is the beginning of the next one, and no word."""
-    after = rest[1] if len(rest) > 1 else ""
-    broken = word not in _AXES and _CONSONANTS.fullmatch(word)
-    return bool(broken) and after.startswith(word) and len(after) > len(word)
-
-
-def _is_said_again(words: list[tuple[str, str]], at: int) -> bool:
-    """True if this word belongs to words that are said again right behind them."""
-    plain = [word for _, word in words]
+def _said_again(plain: list[str]) -> set[int]:
+    """Indices of words that are said again right behind them, one to a few at a time."""
+    again: set[int] = set()
     for size in range(1, _LONGEST_REPEAT + 1):
-        for start in range(max(0, at - size + 1), at + 1):
-            once, again = plain[start : start + size], plain[start + size : start + 2 * size]
-            if once == again and not any(character.isdigit() for character in "".join(once)):
-                return True
-    return False
+        for start in range(len(plain) - 2 * size + 1):
+            once = plain[start : start + size]
+            same = once == plain[start + size : start + 2 * size]
+            if same and not any(map(str.isdigit, "".join(once))):
+                again.update(range(start, start + size))
+    return again

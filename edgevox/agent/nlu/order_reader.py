@@ -190,11 +190,10 @@ class _Writer:
         raise TypeError(part)
 
     def _slot(self, name: str) -> str:
-        inside = rf"[^{_PUNCTUATION}](?:.*?[^{_PUNCTUATION}])??"
-        inside = _NUMBER if name in NUMBERS else _TIME if name == "time" else inside
+        inside = _TIME if name == "time" else rf"[^{_PUNCTUATION}](?:.*?[^{_PUNCTUATION}])??"
         before, after = (rf"(?<![{_LETTER}])", rf"(?![{_LETTER}])") if self._spaced else ("", "")
         if name in NUMBERS:
-            before, after = r"(?<![\d.])", r"(?!\.?\d)"
+            inside, before, after = _NUMBER, r"(?<![\d.])", r"(?!\.?\d)"
         return f"{_GAP}{before}(?P<{name}__{next(self._numbers)}>{inside}){after}{_GAP}"
 
     def _words(self, text: str) -> str:

@@ -40,7 +40,7 @@ export function keepFocus(box, change) {
 }
 
 /**
- * Draw what is in a box anew. The keyboard stays on the control at the same place.
+ * Replace the contents of a box. Keyboard focus stays on the control at the same position.
  * @param {HTMLElement} box
  * @param {...Node} children
  */

@@ -121,7 +121,7 @@ export function talkPanel(store, link) {
   store.on("stop", ({ engaged }) => engaged && drop());
   store.on("hello", ({ talk = [] }) => {
     if (talk.length) for (const turn of turns.values()) turn.element.remove(); // it tells them all
-    turns.clear(); // a robot that was started again counts anew
+    turns.clear(); // a robot numbers its turns from 1 after a restart
   });
   return h("section", { class: "card talk-card" }, log, soundButtons(store, link), composer(store, link, words(tell)));
 }

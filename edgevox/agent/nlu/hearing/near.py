@@ -142,9 +142,10 @@ class NearCommands:
         "Bring the mug to the bedroom" sounds much like "bring me to the bedroom", as a whole.
         """
         words, said = self._spoken(heard), self._spoken(sentence)
-        for what, start, end, first, last in _changes(words, said):
-            sounds = self._sounds(" ".join(words[start:end]))
-            if what != "insert" and sounds:
+        changes = difflib.SequenceMatcher(None, words, said, autojunk=False).get_opcodes()
+        for what, start, end, first, last in changes:
+            sounds = self._sounds(" ".join(words[start:end])) if what != "equal" else ()
+            if sounds:  # none where the sentence only has words more
                 table = SpanTable([self._sounds(" ".join(said[first:last]))])
                 if table.distances(sounds)[0] > _WORD_CLEAR:
                     return True
@@ -191,9 +192,3 @@ class NearCommands:
         """The sounds of a text without articles, which are hardly spoken."""
         words = " ".join(self._spoken(text))
         return sounds_of(self._phonemes(words, self._book.code)) if words else ()
-
-
-def _changes(words: list[str], said: list[str]) -> Iterator[tuple[str, int, int, int, int]]:
-    """The parts in which two lists of words differ."""
-    matcher = difflib.SequenceMatcher(None, words, said, autojunk=False)
-    return (one for one in matcher.get_opcodes() if one[0] != "equal")
