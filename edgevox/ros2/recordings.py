@@ -22,6 +22,8 @@ PREFIX = "edgevox-"
 OPEN = ".open"
 BROKEN = ".broken"
 METADATA = "metadata.yaml"
+UPLOAD_FAILED = "upload.failed"
+"""Beside the recordings for as long as the uploader's runs fail; it makes and removes the file."""
 _NUMBER = re.compile(r"_(\d+)\.mcap")
 
 

@@ -291,6 +291,13 @@ _READ = (
         read={"": "recorder.free_bytes"},
     ),
     Metric(
+        "edgevox_recordings_upload_failed",
+        Kind.GAUGE,
+        "1 while the last upload of recordings failed",
+        of="the recorder",
+        read={"": "recorder.upload_failed"},
+    ),
+    Metric(
         "edgevox_failures_total",
         Kind.COUNTER,
         "Errors that a part recovered from",
