@@ -115,8 +115,11 @@ def test_the_exit_code_of_a_command_is_the_containers(unstarted: Stack):
 
 def test_a_shell_by_exec_has_the_same_environment(robot: Stack):
     robot.call("start", SERVICE)
-    asked = ("bash", "-c", "echo $ROS_DISTRO; command -v edgevox-agent")
-    assert robot.execute(SERVICE, *asked) == "jazzy\n/opt/edgevox/bin/edgevox-agent\n"
+    asked = (
+        "echo $ROS_DISTRO; command -v edgevox-agent; python3 -c 'import rclpy, edgevox_msgs.action'"
+    )
+    for shell in (("bash", "-c"), ("bash", "-lc"), ("bash", "-euo", "pipefail", "-c")):
+        assert robot.execute(SERVICE, *shell, asked) == "jazzy\n/opt/edgevox/bin/edgevox-agent\n"
 
 
 @pytest.mark.parametrize(

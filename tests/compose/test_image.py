@@ -133,7 +133,7 @@ def test_it_is_as_small_as_promised(about, image):
 
 def test_it_says_what_it_is(about):
     labels = {name.rpartition(".")[2]: value for name, value in about["Config"]["Labels"].items()}
-    assert {"title", "description", "licenses", "name", "documentation"} <= set(labels)
+    assert {"title", "description", "licenses", "name", "documentation", "created"} <= set(labels)
     assert labels["version"] == __version__
     assert about["Config"]["Healthcheck"]["Test"][:2] == ["CMD", "edgevox-health"]
     assert about["Config"]["StopSignal"] == "SIGTERM"

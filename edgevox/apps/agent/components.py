@@ -9,7 +9,7 @@ from edgevox.agent.llm.status import LlmComponent
 from edgevox.agent.policy.status import PolicyComponent
 from edgevox.apps.agent.parts import AgentParts
 from edgevox.apps.agent.policy import known_names
-from edgevox.apps.folders import written_folders
+from edgevox.apps.folders import needed_folders, written_folders
 from edgevox.core.gauges import Gauges
 from edgevox.core.motion.interlock import InterlockComponent
 from edgevox.core.status import Component, ComponentName, Off
@@ -35,7 +35,9 @@ def list_components(parts: AgentParts, gauges: Gauges) -> None:
         InterlockComponent(parts.interlock),
         Off(ComponentName.CONSOLE, "not asked for"),
         PolicyComponent(parts.guard, lambda: known_names(parts.skills)),
-        DiskComponent(lambda: written_folders(parts.settings)),
+        DiskComponent(
+            lambda: written_folders(parts.settings), lambda: needed_folders(parts.settings)
+        ),
         ProcessComponent(parts.health, __version__, lambda: parts.conversation.refusals),
     )
 

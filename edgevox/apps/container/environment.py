@@ -91,6 +91,7 @@ def prepared(environment: Mapping[str, str], warn: Callable[[str], None]) -> dic
             values[row.variable] = row.default
     _be_quiet_without_sound(values)
     _check_settings(values)
+    _find_files(environment)
     warn_of_unknown(environment, warn)
     rest = {name: value for name, value in environment.items() if name not in ENVIRONMENT}
     return rest | _targets(values)
@@ -163,7 +164,8 @@ def installed_middlewares() -> list[str]:
     """The middlewares of ROS 2 that this environment can load, by its ament index."""
     prefixes = os.environ.get("AMENT_PREFIX_PATH", "").split(os.pathsep)
     folders = [Path(p, "share/ament_index/resource_index/rmw_typesupport") for p in prefixes if p]
-    return sorted({file.name for folder in folders if folder.is_dir() for file in folder.iterdir()})
+    names = {file.name for folder in folders if folder.is_dir() for file in folder.iterdir()}
+    return sorted(names - {"rmw_implementation"})  # which loads one of the others
 
 
 def _refuse_contradictions(values: Mapping[str, str]) -> None:
@@ -189,6 +191,14 @@ def _check_settings(values: Mapping[str, str]) -> None:
         check_settings({s: targets[ENVIRONMENT[name].target] for s, name in by_setting.items()})
     except InvalidValue as error:
         raise InvalidValue(by_setting[error.field], error.value, error.expected) from None
+
+
+def _find_files(environment: Mapping[str, str]) -> None:
+    """Refuse a file of the robot that is not there, before anything starts."""
+    for name in NAMES.values():
+        value = environment.get(name)
+        if value and not Path(value).exists():
+            raise InvalidValue(name, value, "a file in the container")
 
 
 def warn_of_unknown(environment: Mapping[str, str], warn: Callable[[str], None]) -> None:

@@ -12,13 +12,13 @@ from edgevox.agent.llm.factory import XLLAMACPP_NEEDS, missing_features
 from edgevox.agent.llm.weights import needed_bytes, read_memory
 from edgevox.apps.agent.models import find_weights
 from edgevox.apps.doctor.check import CheckVerdict, Facts, Situation, error, ok, skipped, warning
-from edgevox.apps.folders import written_folders
+from edgevox.apps.folders import needed_folders, written_folders
 from edgevox.core.errors import EdgeVoxError
 from edgevox.core.process.cgroup import cpu_quota, usable_cpus
 from edgevox.core.process.extras import install_extra
 from edgevox.core.settings import NO_LLM, Settings
 from edgevox.models import Store
-from edgevox.ops.diagnostics.disk import MIB, DiskSpace, rooms
+from edgevox.ops.diagnostics.disk import MIB, DiskSpace, rooms, unwritable
 
 _WITH_CAMERA = ("robot-panda", "robot-humanoid")
 
@@ -169,7 +169,11 @@ def probe_disk(situation: Situation) -> Facts:
     return {
         "rooms": [
             [str(one.path), one.device, one.free, one.size, one.writable] for one in rooms(folders)
-        ]
+        ],
+        "sealed": [
+            str(one)
+            for one in unwritable(needed_folders(situation.settings, situation.environment))
+        ],
     }
 
 
@@ -180,6 +184,10 @@ def judge_disk(facts: Facts, _: Situation) -> list[CheckVerdict]:
         one = DiskSpace(Path(path), *rest)
         advice = f"free space in {path}" if one.level else ""
         said.append(CheckVerdict(one.level, f"{path}: {one.free // MIB} MiB free", advice))
+    said += [
+        warning(f"{path}: not writable, so nothing in it is kept", f"give {path} to this user")
+        for path in facts["sealed"]
+    ]
     return said or [ok("EdgeVox writes to no folder")]
 
 

@@ -95,10 +95,11 @@ COMPONENTS: tuple[ComponentRow, ...] = (
     ),
     ComponentRow(
         ComponentName.DISK,
-        "free space where EdgeVox writes",
-        "less than 1 GiB, or less than 10 % of a small file system",
-        "less than 100 MiB, or less than 2 % of a small file system",
-        "remove old logs, recordings, or models",
+        "the disks that EdgeVox writes to",
+        "less than 1 GiB is free, or less than 10 % of a small file system; or the folder of the"
+        " places, of the console or of its recordings is not writable, and nothing in it is kept",
+        "less than 100 MiB is free, or less than 2 % of a small file system",
+        "remove old logs, recordings, or models; give the folder to the user who runs EdgeVox",
     ),
     ComponentRow(
         ComponentName.PROCESS,

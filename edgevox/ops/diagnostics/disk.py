@@ -1,4 +1,4 @@
-"""Disks: whether there is room where EdgeVox writes."""
+"""Disks: whether EdgeVox can write where it must, and whether there is room where it writes."""
 
 import os
 from collections.abc import Callable, Iterable, Iterator
@@ -55,25 +55,37 @@ def rooms(folders: Iterable[Path], look: Callable[[Path], DiskSpace] = room) -> 
 
 
 class DiskComponent:
-    """Says whether there is room in the file systems of these folders, which are asked anew."""
+    """Says whether there is room in the file systems of these folders, which are asked anew.
+
+    `needed` are folders that must be writable, or something that people rely on is lost.
+    """
 
     name = ComponentName.DISK
     checks: tuple[HealthCheck, ...] = ()
 
-    def __init__(self, folders: Callable[[], Iterable[Path]]) -> None:
+    def __init__(
+        self, folders: Callable[[], Iterable[Path]], needed: Callable[[], Iterable[Path]]
+    ) -> None:
         self._folders = folders
+        self._needed = needed
 
     def status(self) -> Status:
         """How it is now."""
-        return disk_status(rooms(self._folders()))
+        return disk_status(rooms(self._folders()), unwritable(self._needed()))
 
 
-def disk_status(found: Iterable[DiskSpace]) -> Status:
-    """The component `disk`."""
+def unwritable(folders: Iterable[Path]) -> list[Path]:
+    """Those in which nothing can be written, or which cannot be made."""
+    return [folder for folder in folders if not room(folder).writable]
+
+
+def disk_status(found: Iterable[DiskSpace], sealed: Iterable[Path] = ()) -> Status:
+    """The component `disk`: file systems that are written to, and folders that cannot be."""
     here = list(found)
     findings = [
         Finding(one.level, f"{one.path}: {one.free // MIB} MiB left") for one in here if one.level
     ]
+    findings += [Finding(Level.WARN, f"{folder}: not writable") for folder in sealed]
     values = {f"{one.path} free_mib": one.free // MIB for one in here}
     well = "enough room" if here else "nothing is written"
     return Status.judged("disk", findings, well=well, **values)

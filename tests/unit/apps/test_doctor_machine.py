@@ -84,7 +84,10 @@ def test_a_model_that_is_not_here_yet_takes_at_least_its_size(tmp_path, monkeypa
 
 def test_a_disk_is_judged_as_on_diagnostics():
     gib = 2**30
-    facts = {"rooms": [["/a", 1, 50 * gib, 100 * gib, True], ["/b", 2, 1000, 100 * gib, True]]}
+    facts = {
+        "rooms": [["/a", 1, 50 * gib, 100 * gib, True], ["/b", 2, 1000, 100 * gib, True]],
+        "sealed": [],
+    }
     assert levels(machine.judge_disk(facts, situation())) == [OK, ERROR]
 
 

@@ -192,9 +192,10 @@ def test_a_folder_with_only_a_world_is_a_simulated_robot_and_what_is_set_counts_
     (folder / "world.yaml").touch()
     given = {"EDGEVOX_ROBOT_FOLDER": str(folder)}
     assert _prepared(**given)["EDGEVOX_AGENT"] == "robot-apartment"
-    given |= {"EDGEVOX_WORLD": "/other.yaml", "EDGEVOX_AGENT": "robot-irsim"}
+    (other := folder.parent / "other.yaml").touch()
+    given |= {"EDGEVOX_WORLD": str(other), "EDGEVOX_AGENT": "robot-irsim"}
     environment = _prepared(**given)
-    assert environment["EDGEVOX_WORLD"] == "/other.yaml"
+    assert environment["EDGEVOX_WORLD"] == str(other)
     assert environment["EDGEVOX_AGENT"] == "robot-irsim"
 
 
