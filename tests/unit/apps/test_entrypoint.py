@@ -26,6 +26,7 @@ def _ros(tmp_path, monkeypatch):
     index = tmp_path / "share/ament_index/resource_index/rmw_typesupport"
     index.mkdir(parents=True)
     (index / "rmw_fastrtps_cpp").touch()
+    (index / "rmw_implementation").touch()  # loads one of the others
     monkeypatch.setenv("AMENT_PREFIX_PATH", str(tmp_path))
 
 
@@ -218,3 +219,8 @@ def test_a_slip_in_a_name_in_a_robots_folder_is_told(folder):
     said = []
     prepared({"EDGEVOX_ROBOT_FOLDER": str(folder)}, said.append)
     assert said == ["EDGEVOX_ROBOT_FOLDER: nothing reads robot.yml; did you mean robot.yaml?"]
+
+
+def test_what_only_loads_a_middleware_is_none():
+    with pytest.raises(InvalidValue, match="one of rmw_fastrtps_cpp$"):
+        _prepared(RMW_IMPLEMENTATION="rmw_implementation")
