@@ -18,9 +18,9 @@ for status in /proc/[0-9]*/status; do
     awk '/^(Name|Uid|Cap...|NoNewPrivs):/ { printf "%s=%s ", $1, $2 } END { print "" }' $status
 done
 """
-KILL_AGENT = r"""
+SIGNAL_AGENT = r"""
 for name in $(grep -lx edgevox-agent /proc/[0-9]*/comm); do
-    kill -KILL "$(basename "${name%/comm}")"
+    kill -"$0" "$(basename "${name%/comm}")"
 done
 """
 
@@ -61,9 +61,10 @@ def test_nothing_can_be_written_but_in_memory(robot: Stack, place):
     assert robot.call("exec", "-T", SERVICE, "bash", "-c", "touch ~/mark").returncode == 0
 
 
-def test_a_robot_that_is_killed_comes_back_by_itself(robot: Stack):
+@pytest.mark.parametrize("name", ["KILL", "STOP"], ids=["killed", "frozen"])
+def test_a_robot_that_is_killed_or_frozen_comes_back_by_itself(robot: Stack, name):
     before = robot.inspect(SERVICE)
-    robot.call("exec", "-T", SERVICE, "bash", "-c", KILL_AGENT)
+    robot.call("exec", "-T", SERVICE, "bash", "-c", SIGNAL_AGENT, name)
 
     def is_back() -> bool:
         now = robot.inspect(SERVICE)
