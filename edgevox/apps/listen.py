@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING
 
 from edgevox.agent.stop.words import SafetyWords
 from edgevox.apps.flags import add_flags, given_flags
-from edgevox.apps.run_program import run_program, set_up_logs
-from edgevox.apps.shutdown_signals import ShutdownSignals
+from edgevox.apps.run_program import ShutdownSignals, run_program, set_up_logs
 from edgevox.apps.streams import with_streams
 from edgevox.core.errors import EdgeVoxError
 from edgevox.core.settings import Settings, load_settings

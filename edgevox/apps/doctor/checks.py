@@ -6,7 +6,6 @@ from edgevox.apps.doctor import (
     model_files,
     network,
     packages,
-    process_environment,
     robots,
     ros,
     security,
@@ -37,8 +36,8 @@ CHECKS: tuple[Check, ...] = (
     Check(
         "settings",
         "the settings are valid, and no `EDGEVOX_` variable is misspelled",
-        process_environment.probe_settings,
-        process_environment.judge_settings,
+        machine.probe_settings,
+        machine.judge_settings,
     ),
     Check(
         "policy",
@@ -55,14 +54,14 @@ CHECKS: tuple[Check, ...] = (
     Check(
         "folders",
         "EdgeVox can write temporary files and ROS 2's logs",
-        process_environment.probe_folders,
-        process_environment.judge_folders,
+        machine.probe_folders,
+        machine.judge_folders,
     ),
     Check(
         "container",
         "in a container, EdgeVox does not run as root",
-        process_environment.probe_container,
-        process_environment.judge_container,
+        machine.probe_container,
+        machine.judge_container,
     ),
     Check(
         "models",

@@ -6,8 +6,16 @@ from dataclasses import asdict
 from importlib.metadata import EntryPoint
 from typing import TypeVar
 
-from edgevox.apps.doctor.check import CheckVerdict, Facts, Situation, error, ok, skipped, warning
-from edgevox.apps.doctor.runner import probe_apart
+from edgevox.apps.doctor.check import (
+    CheckVerdict,
+    Facts,
+    Situation,
+    error,
+    ok,
+    probe_apart,
+    skipped,
+    warning,
+)
 from edgevox.apps.plugins import Plugins, bring_plugins
 from edgevox.core.errors import InvalidValue
 from edgevox.core.settings import check_settings

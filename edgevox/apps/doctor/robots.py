@@ -14,10 +14,10 @@ from edgevox.apps.doctor.check import (
     Situation,
     error,
     ok,
+    probe_apart,
     skipped,
     warning,
 )
-from edgevox.apps.doctor.runner import probe_apart
 from edgevox.apps.doctor.security import NOT_WITH_SECURITY, is_secured
 from edgevox.apps.robots import ROBOTS, build_body
 from edgevox.core.errors import EdgeVoxError, InvalidValue

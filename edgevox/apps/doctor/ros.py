@@ -2,10 +2,18 @@
 
 from pathlib import Path
 
+from edgevox.apps.container.environment import ENVIRONMENT
 from edgevox.apps.container.peers import PEERS, SERVERS, addresses, server_names
-from edgevox.apps.container.variables import ENVIRONMENT
-from edgevox.apps.doctor.check import CheckVerdict, Facts, Situation, error, ok, skipped, warning
-from edgevox.apps.doctor.runner import probe_apart
+from edgevox.apps.doctor.check import (
+    CheckVerdict,
+    Facts,
+    Situation,
+    error,
+    ok,
+    probe_apart,
+    skipped,
+    warning,
+)
 from edgevox.apps.doctor.security import NOT_WITH_SECURITY, is_secured
 from edgevox.core.process.extras import install_extra
 

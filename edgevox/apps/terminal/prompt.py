@@ -10,7 +10,7 @@ from prompt_toolkit.formatted_text import AnyFormattedText
 from prompt_toolkit.patch_stdout import patch_stdout
 from prompt_toolkit.styles import Style
 
-from edgevox.apps.shutdown_signals import ShutdownSignals
+from edgevox.apps.run_program import ShutdownSignals
 from edgevox.apps.streams import show
 from edgevox.apps.terminal.slash_commands import Leave, SlashContext, is_slow, run_command
 from edgevox.apps.terminal.view import View
@@ -66,7 +66,7 @@ class Prompt:
 
         No line waits for the action of an earlier one.
         """
-        from edgevox.apps.tui.run_tui import stderr_as_lines
+        from edgevox.apps.tui.face import stderr_as_lines
 
         shutdown.gently = self._leave
         try:

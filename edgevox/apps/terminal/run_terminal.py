@@ -8,7 +8,7 @@ from collections.abc import Callable
 
 from edgevox.agent.skills import STOP
 from edgevox.apps.agent.parts import AgentParts
-from edgevox.apps.shutdown_signals import ShutdownSignals
+from edgevox.apps.run_program import ShutdownSignals
 from edgevox.apps.streams import show
 from edgevox.apps.terminal.lines import InputLines, typed_ahead
 from edgevox.apps.terminal.slash_commands import Leave, SlashContext, is_stop, run_command

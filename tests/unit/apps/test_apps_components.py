@@ -8,8 +8,7 @@ import yaml
 
 from edgevox.agent.llm.language_model import ModelFailed
 from edgevox.agent.llm.remote import FallbackModel
-from edgevox.apps.agent.build import build_parts
-from edgevox.apps.agent.components import list_components
+from edgevox.apps.agent.build import build_parts, list_components
 from edgevox.apps.folders import places_folder, written_folders
 from edgevox.core.cancel import CancelToken
 from edgevox.core.gauges import Gauges

@@ -9,7 +9,7 @@ from enclaves_rig import DAY, NOW, make_enclave
 
 from edgevox.apps import dds_security
 from edgevox.apps.dds_security import secured
-from edgevox.apps.doctor.runner import ProbeFailed
+from edgevox.apps.doctor.check import ProbeFailed
 from edgevox.core.errors import InvalidValue
 from edgevox.ros2.doctor.middleware_build import judged_by
 

@@ -12,7 +12,7 @@ from edgevox.agent.llm.remote import FallbackModel
 from edgevox.agent.policy import Denied, Guard
 from edgevox.agent.text.reasons import because
 from edgevox.apps import metrics
-from edgevox.apps.agent.components import list_components
+from edgevox.apps.agent.build import list_components
 from edgevox.core.bus import Bus
 from edgevox.core.cancel import CancelToken
 from edgevox.core.gauges import Gauges
