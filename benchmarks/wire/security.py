@@ -30,7 +30,7 @@ SIZES = {100: "100 bytes", 4_000: "4 kB", 32_000: "32 kB"}
 TOOLS, NAMESPACE, NODE = "/tools", "/edgevox", "edgevox"
 SAID, ECHOED = "text_input", "response"
 """What tools may say to a robot, and it to them."""
-PROBE = "edgevox.ros2.doctor.middleware_build:middleware_build"
+PROBE = "edgevox.ros2.doctor:middleware_build"
 FIRST = 20
 """Trips that do not count: what is discovered, exchanged and cached once."""
 

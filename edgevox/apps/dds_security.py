@@ -26,8 +26,8 @@ ENABLE, STRATEGY = "ROS_SECURITY_ENABLE", "ROS_SECURITY_STRATEGY"
 ROS_KEYSTORE, OVERRIDE = "ROS_SECURITY_KEYSTORE", "ROS_SECURITY_ENCLAVE_OVERRIDE"
 NAMESPACE, DOMAIN = "EDGEVOX_AGENT_NAMESPACE", "ROS_DOMAIN_ID"
 ENFORCE = "Enforce"
-PROBE, PROBE_S = "edgevox.ros2.doctor.middleware_build:middleware_build", 60.0
-PARTICIPANT_PROBE = "edgevox.ros2.doctor.participant_probe:participant_probe"
+PROBE, PROBE_S = "edgevox.ros2.doctor:middleware_build", 60.0
+PARTICIPANT_PROBE = "edgevox.ros2.doctor:participant_probe"
 UNSEEN = {"ROS_AUTOMATIC_DISCOVERY_RANGE": "OFF", "ROS_DISCOVERY_SERVER": ""}
 """Settings that hide a participant, which is only created as a test."""
 NAMES = {"edgevox": NODE_NAME, "edgevox-agent": NODE_NAME, "edgevox-recorder": RECORDER_NODE}

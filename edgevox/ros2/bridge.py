@@ -33,8 +33,7 @@ from edgevox.core.ways import Way
 from edgevox.robots.capabilities import Body
 from edgevox.robots.node_handle import OnRos2
 from edgevox.ros2.backlog import Backlog
-from edgevox.ros2.bridge_context import BridgeContext
-from edgevox.ros2.bridge_status import ExecutorComponent, ExecutorCounts
+from edgevox.ros2.bridge_context import BridgeContext, ExecutorComponent, ExecutorCounts
 from edgevox.ros2.contract import DIAGNOSTICS, PARAMETERS, QUERIES, Queries, answer_json
 from edgevox.ros2.interop import Interop
 from edgevox.ros2.logs import Rosout

@@ -6,8 +6,7 @@ from typing import TYPE_CHECKING, Protocol
 
 from edgevox.core.errors import EdgeVoxError
 from edgevox.core.status import Component
-from edgevox.ros2.bridge_context import BridgeContext
-from edgevox.ros2.bridge_status import ExecutorComponent, ExecutorCounts
+from edgevox.ros2.bridge_context import BridgeContext, ExecutorComponent, ExecutorCounts
 
 if TYPE_CHECKING:
     from edgevox.ros2.clients.agent_node_handle import AgentNodeHandle

@@ -13,7 +13,7 @@ from edgevox.apps.doctor import (
 )
 from edgevox.apps.doctor.check import Check
 
-_ROS, _HERE = "edgevox.ros2.doctor.probe", "edgevox.apps.doctor"
+_ROS, _HERE = "edgevox.ros2.doctor", "edgevox.apps.doctor"
 
 CHECKS: tuple[Check, ...] = (
     Check("python", "this Python version runs EdgeVox", machine.probe_python, machine.judge_python),

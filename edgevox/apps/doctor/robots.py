@@ -22,7 +22,7 @@ from edgevox.apps.doctor.security import NOT_WITH_SECURITY, is_secured
 from edgevox.apps.robots import ROBOTS, build_body
 from edgevox.core.errors import EdgeVoxError, InvalidValue
 from edgevox.core.settings import Settings
-from edgevox.ros2.robot_file.load import load_robot_file
+from edgevox.ros2.robot_file.format import load_robot_file
 
 _IN_THE_HAND = 0.0
 """A speed of the world: nothing moves in it."""

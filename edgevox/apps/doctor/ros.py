@@ -18,7 +18,7 @@ from edgevox.apps.doctor.security import NOT_WITH_SECURITY, is_secured
 from edgevox.core.process.extras import install_extra
 
 DOMAIN, RANGE = "ROS_DOMAIN_ID", "ROS_AUTOMATIC_DISCOVERY_RANGE"
-ROUND_TRIP = "edgevox.ros2.doctor.probe:round_trip"
+ROUND_TRIP = "edgevox.ros2.doctor:round_trip"
 _FIRST_PORT, _PORTS = 7400, 250  # of a domain, by RTPS
 _DEFAULT_RANGE = (32768, 60999)
 _MOST_MS = 100.0
