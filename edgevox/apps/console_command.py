@@ -49,9 +49,8 @@ def _prepare(argv: Sequence[str]) -> Callable[[], bool]:
 
 
 def _pair(arguments: argparse.Namespace, settings: Settings, folder: Path) -> bool:
-    from edgevox.console.pairing import Pairing
-    from edgevox.console.sessions import Role
-    from edgevox.console.url import console_url
+    from edgevox.console.sessions import Pairing, Role
+    from edgevox.console.tls import console_url
 
     role = Role.VIEWER if arguments.viewer else Role.OPERATOR
     code = Pairing(folder).offer(role)
@@ -101,7 +100,7 @@ def _revoke(arguments: argparse.Namespace, _settings: Settings, folder: Path) ->
 
 def _ca(arguments: argparse.Namespace, settings: Settings, folder: Path) -> bool:
     from edgevox.console.certificates import own_tls
-    from edgevox.console.open_console import found_names, names_of
+    from edgevox.console.console_server import found_names, names_of
 
     if arguments.new:
         for name in ("ca.crt", "ca.key", "console.crt", "console.key"):

@@ -49,8 +49,7 @@ from edgevox.core.motion.software_stop import SoftwareStop
 from edgevox.core.settings import Settings
 from edgevox.core.status import Component, ComponentName, Components, HealthCheck, Off, lives
 from edgevox.models import ModelMissing
-from edgevox.ops.diagnostics.disk import DiskComponent
-from edgevox.ops.diagnostics.process import ProcessComponent
+from edgevox.ops.diagnostics import DiskComponent, ProcessComponent
 from edgevox.ops.health import Health
 from edgevox.ops.logs import BusLog
 from edgevox.robots.capabilities import Body, HasPicture, HasPose

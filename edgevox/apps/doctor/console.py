@@ -26,7 +26,7 @@ def probe_console(situation: Situation) -> Facts:
     missing = [name for name in MODULES if find_spec(name) is None]
     if missing:
         return {"on": True, "missing": missing}
-    from edgevox.console.open_console import is_loopback
+    from edgevox.console.console_server import is_loopback
 
     return {
         "on": True,

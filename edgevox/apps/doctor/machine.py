@@ -24,7 +24,7 @@ from edgevox.core.process.cgroup import cpu_quota, usable_cpus
 from edgevox.core.process.extras import install_extra
 from edgevox.core.settings import NO_LLM, Settings
 from edgevox.models import Store
-from edgevox.ops.diagnostics.disk import MIB, DiskSpace, room, rooms
+from edgevox.ops.diagnostics import MIB, DiskSpace, room, rooms
 
 _WITH_CAMERA = ("robot-panda", "robot-humanoid")
 

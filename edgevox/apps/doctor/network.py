@@ -11,7 +11,7 @@ from pathlib import Path
 
 from edgevox.apps.doctor.check import CheckVerdict, Facts, Situation, error, ok, warning
 from edgevox.core.files.user_file import size_bytes
-from edgevox.ops.diagnostics.disk import MIB
+from edgevox.ops.diagnostics import MIB
 
 GROUP = "239.255.0.1"
 """The group in which DDS discovers other participants."""

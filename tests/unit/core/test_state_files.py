@@ -12,8 +12,7 @@ from small_disk import small_disk
 from edgevox.agent.skills import SkillFailed
 from edgevox.agent.skills.choices import OneOf
 from edgevox.console.certificates import own_tls
-from edgevox.console.pairing import Pairing
-from edgevox.console.sessions import Role, Sessions
+from edgevox.console.sessions import Pairing, Role, Sessions
 from edgevox.console.tls import CurrentTls
 from edgevox.core.errors import InvalidValue
 from edgevox.core.files.atomic_file import write_atomically

@@ -25,8 +25,7 @@ from edgevox.core.status import (
     RecentIncrease,
     Status,
 )
-from edgevox.ops.diagnostics.disk import MIB, DiskSpace, disk_status, room, rooms
-from edgevox.ops.diagnostics.process import ProcessComponent
+from edgevox.ops.diagnostics import MIB, DiskSpace, ProcessComponent, disk_status, room, rooms
 from edgevox.ops.health import Health
 from edgevox.robots.capabilities import Twist2D
 from edgevox.robots.flat.diff_drive import DiffDriveRobot
