@@ -15,9 +15,8 @@ from edgevox.apps.fleet import FLEET_PORT, serve_fleet
 from edgevox.apps.folders import console_folder
 from edgevox.apps.run_program import run_program
 from edgevox.apps.streams import show, with_streams
-from edgevox.core.errors import EdgeVoxError, InvalidValue
+from edgevox.core.errors import EdgeVoxError, InvalidValue, install_extra
 from edgevox.core.files.text import one_line
-from edgevox.core.process.extras import install_extra
 from edgevox.core.settings import Settings, load_settings
 
 SETTINGS = ("console_host", "console_port", "console_tls", "console_names", "console_folder")

@@ -28,8 +28,7 @@ from edgevox.apps.run_program import (
     set_up_logs,
 )
 from edgevox.apps.streams import show, with_streams
-from edgevox.core.errors import EdgeVoxError, InvalidValue
-from edgevox.core.process.extras import install_extra
+from edgevox.core.errors import EdgeVoxError, InvalidValue, install_extra
 from edgevox.core.settings import Settings, load_settings
 from edgevox.core.status import Components
 from edgevox.ops.health import Health

@@ -14,8 +14,7 @@ from edgevox import __version__
 from edgevox.apps.dds_security import domain_of
 from edgevox.apps.run_program import run_program
 from edgevox.apps.streams import show, with_streams
-from edgevox.core.errors import EdgeVoxError, InvalidValue
-from edgevox.core.process.extras import install_extra
+from edgevox.core.errors import EdgeVoxError, InvalidValue, install_extra
 from edgevox.core.settings import check_settings
 from edgevox.security.documents import LAST_DOMAIN
 

@@ -20,11 +20,10 @@ from dataclasses import asdict, dataclass
 from enum import StrEnum
 from pathlib import Path
 
-from edgevox.core.files.atomic_file import write_atomically
+from edgevox.core.commands import Way
 from edgevox.core.files.json_reader import is_number, read_json_object
-from edgevox.core.files.state_files import StateFiles
+from edgevox.core.files.state_files import StateFiles, write_atomically
 from edgevox.core.log import get_logger
-from edgevox.core.ways import Way
 
 log = get_logger(__name__)
 

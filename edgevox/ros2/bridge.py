@@ -23,13 +23,12 @@ from rclpy.parameter import Parameter as RosParameter
 from std_srvs.srv import Trigger
 
 from edgevox.core.bus import Bus
-from edgevox.core.commands import RunSkill
+from edgevox.core.commands import RunSkill, Way
 from edgevox.core.controls import Controls, Value
 from edgevox.core.errors import InvalidValue
 from edgevox.core.events import ControlChanged
 from edgevox.core.log import get_logger
 from edgevox.core.status import Component, Components, Status
-from edgevox.core.ways import Way
 from edgevox.robots.capabilities import Body
 from edgevox.robots.node_handle import OnRos2
 from edgevox.ros2.backlog import Backlog

@@ -36,10 +36,10 @@ from edgevox.core.agent_events import (
 from edgevox.core.bus import Bus
 from edgevox.core.cancel import CancelToken
 from edgevox.core.clock import Clock, SystemClock
+from edgevox.core.commands import Way
 from edgevox.core.errors import EdgeVoxError, shorten
 from edgevox.core.files.json_reader import read_json_object
 from edgevox.core.log import get_logger
-from edgevox.core.ways import Way
 from edgevox.ros2.backlog import Backlog
 from edgevox.ros2.contract import ACTION
 from edgevox.ros2.messages import write

@@ -7,8 +7,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from edgevox.core.errors import EdgeVoxError
-from edgevox.core.process.extras import install_extra
+from edgevox.core.errors import EdgeVoxError, install_extra
 from edgevox.voice.audio import FRAME_SAMPLES, FULL_SCALE, Samples
 
 _CONTEXT = 64  # samples of the frame before, which the network sees again

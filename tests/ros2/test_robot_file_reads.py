@@ -13,10 +13,10 @@ from edgevox.agent.skills import Call, OwnName, SkillSet
 from edgevox.apps.agent.policy import build_guard
 from edgevox.apps.robots import build_agents
 from edgevox.core.bus import Bus
+from edgevox.core.commands import Way
 from edgevox.core.errors import InvalidValue
 from edgevox.core.files.yaml_file import YamlFile
 from edgevox.core.settings import Settings
-from edgevox.core.ways import Way
 from edgevox.robots.capabilities import (
     DrivesTo,
     HasPlaces,

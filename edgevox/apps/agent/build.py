@@ -41,13 +41,20 @@ from edgevox.core.bus import Bus
 from edgevox.core.commands import Speak
 from edgevox.core.controls import Controls
 from edgevox.core.events import ControlChanged
-from edgevox.core.gauges import Gauges
 from edgevox.core.log import get_logger
 from edgevox.core.motion.drain import Drain
 from edgevox.core.motion.interlock import Interlock, InterlockComponent
 from edgevox.core.motion.software_stop import SoftwareStop
 from edgevox.core.settings import Settings
-from edgevox.core.status import Component, ComponentName, Components, HealthCheck, Off, lives
+from edgevox.core.status import (
+    Component,
+    ComponentName,
+    Components,
+    Gauges,
+    HealthCheck,
+    Off,
+    lives,
+)
 from edgevox.models import ModelMissing
 from edgevox.ops.diagnostics import DiskComponent, ProcessComponent
 from edgevox.ops.health import Health

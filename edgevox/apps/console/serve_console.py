@@ -8,9 +8,8 @@ from edgevox.apps.agent.parts import AgentParts
 from edgevox.apps.console_command import shown_code
 from edgevox.apps.folders import console_folder, recordings_folder
 from edgevox.apps.streams import show
-from edgevox.core.errors import EdgeVoxError
+from edgevox.core.errors import EdgeVoxError, install_extra
 from edgevox.core.log import get_logger
-from edgevox.core.process.extras import install_extra
 from edgevox.core.status import ComponentName, Level, Off
 
 if TYPE_CHECKING:

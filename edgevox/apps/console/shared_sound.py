@@ -16,9 +16,8 @@ from numpy.typing import NDArray
 from edgevox.apps.agent.parts import AgentParts
 from edgevox.apps.agent.voice import endings, open_stop_detector, open_wakeword
 from edgevox.core.bus import Bus
-from edgevox.core.commands import Command, Heard
+from edgevox.core.commands import Command, Heard, Way
 from edgevox.core.events import SentenceReady
-from edgevox.core.ways import Way
 from edgevox.voice.foreground import open_vad
 from edgevox.voice.listener import Listener
 from edgevox.voice.sinks.tapped import Tap, TappedSink

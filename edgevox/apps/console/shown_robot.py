@@ -17,11 +17,11 @@ from numpy.typing import NDArray
 from edgevox.agent.policy import Guard
 from edgevox.agent.skills import SkillFailed
 from edgevox.agent.skills.going import TO_POINT
+from edgevox.core.commands import Way
 from edgevox.core.errors import InvalidValue
 from edgevox.core.log import get_logger
 from edgevox.core.motion.interlock import Interlock
 from edgevox.core.transforms import Pose2D, to_map
-from edgevox.core.ways import Way
 from edgevox.robots.capabilities import (
     Body,
     HasBattery,

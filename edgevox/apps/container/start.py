@@ -9,7 +9,7 @@ from edgevox.apps.container.peers import with_addresses, with_server_addresses
 from edgevox.apps.dds_security import secured
 from edgevox.apps.streams import show, with_streams
 from edgevox.core.errors import InvalidValue
-from edgevox.core.process.cgroup import usable_cpus
+from edgevox.core.process import usable_cpus
 
 USAGE = 64
 """EX_USAGE of sysexits.h: nothing was started."""

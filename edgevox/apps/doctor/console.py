@@ -10,7 +10,7 @@ from importlib.util import find_spec
 
 from edgevox.apps.doctor.check import CheckVerdict, Facts, Situation, error, ok, skipped, warning
 from edgevox.apps.health import reachable
-from edgevox.core.process.extras import install_extra
+from edgevox.core.errors import install_extra
 from edgevox.core.settings import Settings
 
 MODULES = ("aiohttp", "cryptography")

@@ -19,9 +19,8 @@ from edgevox.apps.agent.models import find_weights
 from edgevox.apps.container.environment import warn_of_unknown
 from edgevox.apps.doctor.check import CheckVerdict, Facts, Situation, error, ok, skipped, warning
 from edgevox.apps.folders import ros_logs, written_folders
-from edgevox.core.errors import EdgeVoxError
-from edgevox.core.process.cgroup import cpu_quota, usable_cpus
-from edgevox.core.process.extras import install_extra
+from edgevox.core.errors import EdgeVoxError, install_extra
+from edgevox.core.process import cpu_quota, usable_cpus
 from edgevox.core.settings import NO_LLM, Settings
 from edgevox.models import Store
 from edgevox.ops.diagnostics import MIB, DiskSpace, room, rooms

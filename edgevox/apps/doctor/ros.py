@@ -15,7 +15,7 @@ from edgevox.apps.doctor.check import (
     warning,
 )
 from edgevox.apps.doctor.security import NOT_WITH_SECURITY, is_secured
-from edgevox.core.process.extras import install_extra
+from edgevox.core.errors import install_extra
 
 DOMAIN, RANGE = "ROS_DOMAIN_ID", "ROS_AUTOMATIC_DISCOVERY_RANGE"
 ROUND_TRIP = "edgevox.ros2.doctor:round_trip"

@@ -16,11 +16,10 @@ from edgevox.apps.terminal.slash_commands import Leave, SlashContext, is_slow, r
 from edgevox.apps.terminal.view import View
 from edgevox.core.bus import Bus
 from edgevox.core.clock import Clock
-from edgevox.core.commands import Interrupt, TextInput
+from edgevox.core.commands import Interrupt, TextInput, Way
 from edgevox.core.events import Cause
 from edgevox.core.files.text import printable_in_colour
 from edgevox.core.log import get_logger
-from edgevox.core.ways import Way
 
 log = get_logger(__name__)
 

@@ -16,9 +16,8 @@ from edgevox.apps.terminal.view import View
 from edgevox.core.agent_events import GoalChanged
 from edgevox.core.bus import Bus
 from edgevox.core.clock import SystemClock
-from edgevox.core.commands import TextInput
+from edgevox.core.commands import TextInput, Way
 from edgevox.core.motion.interlock import Interlock
-from edgevox.core.ways import Way
 from edgevox.voice.sources.files import WavFiles
 
 

@@ -29,11 +29,10 @@ from edgevox.apps.terminal.prompt import DoubleInterrupt
 from edgevox.apps.terminal.slash_commands import Leave, SlashContext, is_stop, run_command
 from edgevox.apps.tui.update_buffer import ScreenUpdate, UpdateBuffer
 from edgevox.core.clock import Clock, SystemClock
-from edgevox.core.commands import Command, Interrupt, SetMuted, TextInput
+from edgevox.core.commands import Command, Interrupt, SetMuted, TextInput, Way
 from edgevox.core.errors import InvalidValue
 from edgevox.core.events import Cause, State, TurnMeasured
 from edgevox.core.files.text import one_line
-from edgevox.core.ways import Way
 
 WIDTH = 26
 MOST_UNREAD = 1000

@@ -19,11 +19,10 @@ from edgevox.console.page_hub import FLOOD, SLOW, PageHub, encode
 from edgevox.console.page_messages import Message
 from edgevox.console.sessions import Role, Session
 from edgevox.core.clock import Clock
-from edgevox.core.commands import Command, RunSkill, TextInput
+from edgevox.core.commands import Command, RunSkill, TextInput, Way
 from edgevox.core.errors import EdgeVoxError, InvalidValue
 from edgevox.core.log import get_logger
 from edgevox.core.motion.interlock import StreamStopped
-from edgevox.core.ways import Way
 
 log = get_logger(__name__)
 

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
-from edgevox.core.process.extras import install_extra
+from edgevox.core.errors import install_extra
 from edgevox.models.fetch_progress import FetchProgress
 from edgevox.models.manifest import ModelFile
 from edgevox.models.model_errors import SourceFailed

@@ -31,7 +31,7 @@ from typing import Any, TextIO
 
 from edgevox.core.files.text import one_line
 from edgevox.core.log import ROOT, LogLine, get_logger
-from edgevox.core.process.output_stream import OutputReader
+from edgevox.core.process import OutputReader
 from edgevox.core.settings import Settings
 from edgevox.ops.logs.limit import RateLimit
 from edgevox.ops.logs.line_formatter import IDS, console_lines, json_lines, plain

@@ -24,7 +24,7 @@ from edgevox.agent.skills import SkillFailed
 from edgevox.agent.text.reasons import in_words
 from edgevox.core.cancel import Cancelled, CancelToken
 from edgevox.core.clock import Clock
-from edgevox.core.language_files import CODES, language_file
+from edgevox.core.languages import CODES, language_file
 from edgevox.core.log import get_logger
 from edgevox.core.reason import Reason
 from edgevox.ros2.clients.waiting import Newest, TookTooLong, wait_for, wait_until

@@ -4,9 +4,8 @@ Imports core, agent.skills, agent.reasons, robots and ros2 of edgevox. Only `EXT
 others; rclpy is imported when its body is built.
 """
 
-from edgevox.core.errors import EdgeVoxError
+from edgevox.core.errors import EdgeVoxError, install_extra
 from edgevox.core.log import get_logger
-from edgevox.core.process.extras import install_extra
 from edgevox.core.settings import Settings
 from edgevox.robots.capabilities import Body
 from edgevox.robots.plugin import Robot

@@ -27,7 +27,7 @@ from mcap.writer import Writer
 
 from edgevox import __version__
 from edgevox.core.errors import EdgeVoxError
-from edgevox.core.files.atomic_file import sync_folder
+from edgevox.core.files.state_files import sync_folder
 from edgevox.ros2.recorder.mend import mend_files
 from edgevox.ros2.recorder.metadata import FileInfo, RecordingInfo, TopicInfo, qos_yaml
 from edgevox.ros2.recorder.recorded_topics import Recorded

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import onnxruntime
 
-from edgevox.core.process.cgroup import usable_cpus
+from edgevox.core.process import usable_cpus
 
 
 def open_session(path: Path, threads: int, *, arena: bool = True) -> onnxruntime.InferenceSession:

@@ -12,9 +12,8 @@ from edgevox.agent.llm.remote import FallbackModel
 from edgevox.apps.agent.build import build_parts, list_components
 from edgevox.apps.folders import places_folder, written_folders
 from edgevox.core.cancel import CancelToken
-from edgevox.core.gauges import Gauges
 from edgevox.core.settings import check_settings
-from edgevox.core.status import Level
+from edgevox.core.status import Gauges, Level
 from edgevox.robots.flat.apartment import ApartmentRobot
 from edgevox.ros2.contract import DIAGNOSTICS
 from edgevox.ros2.open import NullBridge

@@ -13,11 +13,10 @@ from edgevox.console import page_hub
 from edgevox.console.outbox import MOST_WAITING, Outbox
 from edgevox.console.sessions import Role
 from edgevox.core.agent_events import GoalRejected
-from edgevox.core.commands import TextInput
+from edgevox.core.commands import TextInput, Way
 from edgevox.core.errors import InvalidValue
 from edgevox.core.events import TokenGenerated
 from edgevox.core.reason import Reason
-from edgevox.core.ways import Way
 from tests.console_rig import WAIT_S, Rig, console
 
 

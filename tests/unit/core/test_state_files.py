@@ -15,8 +15,7 @@ from edgevox.console.certificates import own_tls
 from edgevox.console.sessions import Pairing, Role, Sessions
 from edgevox.console.tls import CurrentTls
 from edgevox.core.errors import InvalidValue
-from edgevox.core.files.atomic_file import write_atomically
-from edgevox.core.files.state_files import StateFiles
+from edgevox.core.files.state_files import StateFiles, write_atomically
 from edgevox.core.files.user_file import LARGEST_TEXT_BYTES
 from edgevox.core.status import Level
 from edgevox.core.transforms import Pose2D

@@ -12,13 +12,13 @@ from support.clock import HeldClock
 from edgevox.agent.llm.status import LlmComponent
 from edgevox.core.bus import Bus
 from edgevox.core.events import AudioLevel, Outcome, TokenGenerated, TurnEnded, TurnMeasured
-from edgevox.core.gauges import Gauges
 from edgevox.core.languages import LANGUAGES
 from edgevox.core.status import (
     LATELY_S,
     STALL_S,
     Components,
     Finding,
+    Gauges,
     HealthCheck,
     Level,
     Off,
