@@ -61,12 +61,11 @@ def listen(
     from edgevox.apps.listen_view import ListenView
     from edgevox.core.bus import Bus
     from edgevox.core.events import WakeWordHeard
-    from edgevox.voice.foreground import open_vad
-    from edgevox.voice.hearing_meter import HearingMeter
     from edgevox.voice.listener import Listener
-    from edgevox.voice.sources.files import WavFiles
-    from edgevox.voice.sources.open_source import open_source
+    from edgevox.voice.noise_floor import HearingMeter
+    from edgevox.voice.sources.open_source import WavFiles, open_source
     from edgevox.voice.sources.pushed import Pushed
+    from edgevox.voice.vad import open_vad
 
     wakeword = open_wakeword(settings)
     if wakeword:

@@ -9,8 +9,7 @@ from edgevox.core.events import WakeWordHeard
 from edgevox.core.files.text import one_line
 from edgevox.voice.audio import FRAME_S
 from edgevox.voice.endpoint import VOICED
-from edgevox.voice.hearing_meter import HearingMeter, HearingReading
-from edgevox.voice.noise_floor import SILENT_DB
+from edgevox.voice.noise_floor import SILENT_DB, HearingMeter, HearingReading
 
 BAR = 24
 REDRAWN_S, TOLD_S = 0.1, 1.0

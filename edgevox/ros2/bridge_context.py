@@ -27,7 +27,7 @@ from edgevox.core.status import (
 )
 from edgevox.robots.capabilities import Body
 from edgevox.ros2.contract import Queries
-from edgevox.voice.sinks.relay import Relay
+from edgevox.voice.sinks.paced import Relay
 from edgevox.voice.sources.pushed import Pushed
 
 if TYPE_CHECKING:

@@ -18,10 +18,10 @@ from edgevox.apps.agent.voice import endings, open_stop_detector, open_wakeword
 from edgevox.core.bus import Bus
 from edgevox.core.commands import Command, Heard, Way
 from edgevox.core.events import SentenceReady
-from edgevox.voice.foreground import open_vad
 from edgevox.voice.listener import Listener
 from edgevox.voice.sinks.tapped import Tap, TappedSink
 from edgevox.voice.sources.pushed import Pushed
+from edgevox.voice.vad import open_vad
 
 SOURCE = "console"
 

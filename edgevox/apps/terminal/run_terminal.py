@@ -18,7 +18,7 @@ from edgevox.core.bus import Bus
 from edgevox.core.clock import SystemClock
 from edgevox.core.commands import TextInput, Way
 from edgevox.core.motion.interlock import Interlock
-from edgevox.voice.sources.files import WavFiles
+from edgevox.voice.sources.open_source import WavFiles
 
 
 def run_script(

@@ -8,7 +8,7 @@ from edgevox.voice.audio import AudioSink
 from edgevox.voice.echo.played import PlayedSound
 from edgevox.voice.sinks.card import SoundCardSink
 from edgevox.voice.sinks.paced import PacedOutput, PacedSink, Silence
-from edgevox.voice.sinks.wav_file import UnpacedWav, WavFile
+from edgevox.voice.sinks.wav_file import WavFile
 
 ROS2 = "ros2"
 NONE = "none"
@@ -18,7 +18,6 @@ def open_sink(
     spec: str,
     *,
     relay: PacedOutput | None = None,
-    paced: bool = True,
     clock: Clock | None = None,
     played: PlayedSound | None = None,
 ) -> AudioSink:
@@ -26,8 +25,7 @@ def open_sink(
 
     Empty is the default loudspeaker, ``none`` silence, ``ros2`` the relay that
     `edgevox.ros2.audio` connects to, a path a WAV file, anything else a loudspeaker's name. A
-    path ends in ``.wav`` or has a slash. A file is written as fast as it comes unless `paced`.
-    What can be heard of it in a room is told to `played`.
+    path ends in ``.wav`` or has a slash. What can be heard of it in a room is told to `played`.
     Raises `InvalidValue`.
     """
     if spec == NONE:
@@ -38,12 +36,11 @@ def open_sink(
         return PacedSink(relay, clock=clock, played=played)
     path = Path(spec).expanduser()
     if spec and ("/" in spec or path.suffix.lower() == ".wav"):
-        return _file(path, paced, clock)
+        return _file(path, clock)
     return SoundCardSink(spec, clock=clock, played=played)
 
 
-def _file(path: Path, paced: bool, clock: Clock | None) -> AudioSink:
+def _file(path: Path, clock: Clock | None) -> AudioSink:
     if path.is_dir() or path.suffix.lower() != ".wav":
         raise InvalidValue("audio_out", str(path), "a file whose name ends in .wav")
-    file = WavFile(path, clock)
-    return PacedSink(file, clock=clock) if paced else UnpacedWav(file, clock)
+    return PacedSink(WavFile(path, clock), clock=clock)

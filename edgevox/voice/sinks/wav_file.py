@@ -1,17 +1,14 @@
 """Speech into a WAV file."""
 
 import struct
-import threading
 from contextlib import suppress
 from pathlib import Path
 
-from edgevox.core.cancel import CancelToken
 from edgevox.core.clock import Clock, SystemClock
 from edgevox.core.errors import InvalidValue
 from edgevox.core.files.user_file import regular
 from edgevox.core.log import get_logger
-from edgevox.voice.audio import Chunk, Samples
-from edgevox.voice.sinks.paced import RateChanger
+from edgevox.voice.audio import Samples
 from edgevox.voice.wav import HEADER_BYTES
 
 log = get_logger(__name__)
@@ -53,18 +50,8 @@ class WavFile:
             raise InvalidValue("audio_out", str(path), expected) from None
 
     def write(self, samples: Samples, start_s: float) -> None:
-        position = round((start_s - self._start_s) * self.rate_hz)
-        self._put(samples, max(self._written, position))
-
-    def append(self, samples: Samples) -> None:
-        """Write sound right after the sound before."""
-        self._put(samples, self._written)
-
-    def close(self) -> None:
-        self._file.close()
-
-    def _put(self, samples: Samples, position: int) -> None:
-        """The gap before `position` is a hole in the file, which reads as silence."""
+        """Write sound at its time. A gap before it is a hole in the file, read as silence."""
+        position = max(self._written, round((start_s - self._start_s) * self.rate_hz))
         end = 2 * (position + len(samples))
         if end > _MOST_BYTES or not len(samples):
             return
@@ -83,6 +70,9 @@ class WavFile:
             self.fault = ""
             log.warning("speech_file_written_again", path=str(self._path))
 
+    def close(self) -> None:
+        self._file.close()
+
     def _write_all(self, data: bytes) -> None:
         """Raises `OSError`; a disk that fills up takes a part first, without a word."""
         left = memoryview(data)
@@ -98,44 +88,6 @@ class WavFile:
         if not self.fault:
             log.error("speech_file_not_written", reason=why, retry_s=self._retry_s)
         self.fault = why
-
-
-class UnpacedWav:
-    """A sink that writes at once, without pacing, for callers that do not want to wait."""
-
-    name = "file"
-
-    def __init__(self, file: WavFile, clock: Clock | None = None) -> None:
-        self._file = file
-        self._clock = clock or SystemClock()
-        self._lock = threading.Lock()
-        self._rate = RateChanger(file.rate_hz)
-
-    @property
-    def fault(self) -> str:
-        """The reason why nothing goes into the file at the moment; empty otherwise."""
-        return self._file.fault
-
-    def play(self, chunk: Chunk, token: CancelToken) -> float:
-        with self._lock:
-            if not token.cancelled:
-                self._file.append(self._rate.push(chunk))
-        return self._clock.now()
-
-    def drain(self, token: CancelToken) -> None:  # noqa: ARG002
-        with self._lock:
-            self._file.append(self._rate.flush())
-
-    def stop(self) -> float:
-        """All that was given is in the file."""
-        return 0.0
-
-    def audible(self) -> float:
-        return 0.0
-
-    def close(self) -> None:
-        with self._lock:
-            self._file.close()
 
 
 def _header(data_bytes: int) -> bytes:

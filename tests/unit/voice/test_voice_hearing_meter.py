@@ -9,8 +9,7 @@ from edgevox.apps.listen_view import ListenView, as_line
 from edgevox.core.commands import Heard, Transcribing
 from edgevox.core.events import WakeWordHeard
 from edgevox.voice.audio import FRAME_S, FRAME_SAMPLES
-from edgevox.voice.hearing_meter import HearingMeter
-from edgevox.voice.noise_floor import SILENT_DB, WINDOW_S
+from edgevox.voice.noise_floor import SILENT_DB, WINDOW_S, HearingMeter
 
 
 class Ears:
