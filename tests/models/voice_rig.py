@@ -35,7 +35,7 @@ from edgevox.core.events import (
 )
 from edgevox.core.settings import Settings
 from edgevox.voice.audio import FRAME_S, FRAME_SAMPLES, RATE_HZ, EndOfSound, Frame
-from edgevox.voice.sinks.wav_file import WavFile
+from edgevox.voice.sinks.open_sink import WavFile
 from edgevox.voice.tts.voices import VoicePool
 from edgevox.voice.wav import resampled, stream_wav
 

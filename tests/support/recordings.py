@@ -17,8 +17,8 @@ from edgevox.voice.audio import (
     Frame,
     Samples,
 )
+from edgevox.voice.sinks.open_sink import WavFile
 from edgevox.voice.sinks.paced import RateChanger
-from edgevox.voice.sinks.wav_file import WavFile
 
 
 def write_wav(path: Path, *pieces: Samples, rate_hz: int = RATE_HZ) -> Path:

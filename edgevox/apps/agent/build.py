@@ -28,12 +28,11 @@ from edgevox.apps.agent.models import (
 from edgevox.apps.agent.parts import AgentParts, CommandRouter, Startable
 from edgevox.apps.agent.policy import build_guard, known_names, log_strange_names
 from edgevox.apps.agent.queries import available_voices, build_queries, deafness
-from edgevox.apps.agent.skills import gather_skills
 from edgevox.apps.agent.voice import build_listener, build_voice, endings, warm_up_hearing
 from edgevox.apps.console.serve_console import serve_console
 from edgevox.apps.folders import written_folders
 from edgevox.apps.metrics import read_bridge, read_parts, serve_metrics
-from edgevox.apps.robots import build_agents
+from edgevox.apps.robots import build_agents, gather_skills
 from edgevox.apps.run_program import ShutdownSignals
 from edgevox.apps.streams import show
 from edgevox.apps.terminal import run_terminal

@@ -17,11 +17,18 @@ from edgevox.agent.phrases.name_rules import check_skills
 from edgevox.apps.agent.build import serve
 from edgevox.apps.agent.play import play, read_script
 from edgevox.apps.agent.policy import build_guard, strange_names
-from edgevox.apps.agent.skills import about_packages, gather_skills
 from edgevox.apps.agent.snapshot import take_snapshot
 from edgevox.apps.flags import add_flags, given_flags
 from edgevox.apps.plugins import Plugins, bring_plugins, plugins_folder
-from edgevox.apps.robots import ROBOTS, about, build_body, learn_robots, open_places
+from edgevox.apps.robots import (
+    ROBOTS,
+    about,
+    about_packages,
+    build_body,
+    gather_skills,
+    learn_robots,
+    open_places,
+)
 from edgevox.apps.run_program import (
     ShutdownSignals,
     Terminated,

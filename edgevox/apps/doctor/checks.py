@@ -4,7 +4,6 @@ from edgevox.apps.doctor import (
     console,
     machine,
     model_files,
-    network,
     packages,
     robots,
     ros,
@@ -143,14 +142,14 @@ CHECKS: tuple[Check, ...] = (
     Check(
         "multicast",
         "messages to the multicast group of DDS arrive, on each interface",
-        network.probe_multicast,
-        network.judge_multicast,
+        ros.probe_multicast,
+        ros.judge_multicast,
     ),
     Check(
         "shared memory",
         "`/dev/shm` is large enough and not full of leftovers of dead nodes",
-        network.probe_shared_memory,
-        network.judge_shared_memory,
+        ros.probe_shared_memory,
+        ros.judge_shared_memory,
     ),
     Check(
         "console",
@@ -161,8 +160,8 @@ CHECKS: tuple[Check, ...] = (
     Check(
         "buffers",
         "UDP buffers are large enough for pictures",
-        network.probe_buffers,
-        network.judge_buffers,
+        ros.probe_buffers,
+        ros.judge_buffers,
     ),
     Check(
         "gpu",

@@ -65,7 +65,7 @@ class Prompt:
 
         No line waits for the action of an earlier one.
         """
-        from edgevox.apps.tui.face import stderr_as_lines
+        from edgevox.apps.terminal.screen import stderr_as_lines
 
         shutdown.gently = self._leave
         try:

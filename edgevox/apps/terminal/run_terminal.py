@@ -93,7 +93,7 @@ def run_terminal(parts: AgentParts, shutdown: ShutdownSignals) -> None:
 
             Prompt(parts.bus, context, SystemClock()).run(shutdown, typed)
             return
-        from edgevox.apps.tui import run_tui
+        from edgevox.apps.terminal.screen import run_tui
 
         run_tui(parts, shutdown, typed)
     elif not (

@@ -20,7 +20,7 @@ from edgevox.core.files.user_file import LARGEST_TEXT_BYTES
 from edgevox.core.status import Level
 from edgevox.core.transforms import Pose2D
 from edgevox.models.manifest import ModelFile
-from edgevox.models.verification import STAMPS, forget, is_whole
+from edgevox.models.store import STAMPS, forget, is_whole
 from edgevox.robots.flat.apartment import ApartmentRobot
 from edgevox.robots.places.memory import PlaceMemory
 from edgevox.robots.places.store import MOST_PLACES, PlaceStore

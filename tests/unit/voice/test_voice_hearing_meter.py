@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from edgevox.apps.listen_view import ListenView, as_line
+from edgevox.apps.listen import ListenView, as_line
 from edgevox.core.commands import Heard, Transcribing
 from edgevox.core.events import WakeWordHeard
 from edgevox.voice.audio import FRAME_S, FRAME_SAMPLES

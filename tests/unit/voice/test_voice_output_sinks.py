@@ -22,8 +22,8 @@ from edgevox.voice.audio import Chunk
 from edgevox.voice.devices import DeviceMissing
 from edgevox.voice.sinks import PacedSink, open_sink
 from edgevox.voice.sinks.card import SoundCardSink
+from edgevox.voice.sinks.open_sink import WavFile
 from edgevox.voice.sinks.paced import Silence
-from edgevox.voice.sinks.wav_file import WavFile
 
 QUIET = CancelToken()
 
@@ -114,7 +114,7 @@ KILLED = """
 import os, signal, sys
 import numpy as np
 from pathlib import Path
-from edgevox.voice.sinks.wav_file import WavFile
+from edgevox.voice.sinks.open_sink import WavFile
 WavFile(Path(sys.argv[1])).write(np.full(24000, 8000, np.int16), 0.0)
 os.kill(os.getpid(), signal.SIGKILL)
 """
