@@ -82,7 +82,7 @@ def about(body: Body) -> str:
 
 
 if TYPE_CHECKING:
-    from edgevox.ros2.clients.agent_node_handle import AgentNodeHandle
+    from edgevox.ros2.agent_node_handle import AgentNodeHandle
 
 
 @dataclass(frozen=True)

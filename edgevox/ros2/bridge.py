@@ -32,13 +32,13 @@ from edgevox.core.status import Component, Components, Status
 from edgevox.robots.capabilities import Body
 from edgevox.robots.node_handle import OnRos2
 from edgevox.ros2.backlog import Backlog
-from edgevox.ros2.bridge_context import BridgeContext, ExecutorComponent, ExecutorCounts
 from edgevox.ros2.contract import DIAGNOSTICS, PARAMETERS, QUERIES, Queries, answer_json
 from edgevox.ros2.interop import Interop
 from edgevox.ros2.logs import Rosout
+from edgevox.ros2.messages import profile
 from edgevox.ros2.node import RosBridgeFailed, RosNode
+from edgevox.ros2.open import BridgeContext, ExecutorComponent, ExecutorCounts
 from edgevox.ros2.presence import Presence
-from edgevox.ros2.qos import profile
 from edgevox.ros2.skill_action import open_skill_action
 from edgevox.ros2.ticker import MakeTicker, Ticker
 from edgevox.ros2.topics import Topics

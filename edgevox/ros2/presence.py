@@ -34,10 +34,9 @@ from edgevox.core.files.validation import dotted, explain
 from edgevox.core.log import get_logger
 from edgevox.core.motion.interlock import Holder, Interlock
 from edgevox.core.status import ComponentName, HealthCheck, Status
-from edgevox.ros2.bridge_context import Sharing
 from edgevox.ros2.contract import PRESENCE, TAKE_OVER
-from edgevox.ros2.messages import write
-from edgevox.ros2.qos import profile
+from edgevox.ros2.messages import profile, write
+from edgevox.ros2.open import Sharing
 from edgevox.ros2.ticker import Ticker
 
 log = get_logger(__name__)

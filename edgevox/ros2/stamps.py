@@ -28,7 +28,7 @@ from rclpy.clock import Clock
 from rclpy.node import Node
 from rclpy.serialization import serialize_message
 
-from edgevox.ros2.qos import profile
+from edgevox.ros2.messages import profile
 from edgevox.ros2.standard_topics import STANDARD
 
 NS_PER_S = 1_000_000_000

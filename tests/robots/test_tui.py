@@ -14,7 +14,7 @@ from edgevox.apps.robots import build_body
 from edgevox.apps.terminal import prompt
 from edgevox.apps.terminal.screen import Face, stderr_as_lines
 from edgevox.apps.terminal.slash_commands import SlashContext
-from edgevox.apps.terminal.update_buffer import UpdateBuffer
+from edgevox.apps.terminal.view import UpdateBuffer
 from edgevox.core.bus import Bus
 from edgevox.core.clock import SystemClock
 from edgevox.core.events import AudioLevel, TokenGenerated, TurnMeasured

@@ -4,7 +4,6 @@ from edgevox.apps.doctor import (
     console,
     machine,
     model_files,
-    packages,
     robots,
     ros,
     security,
@@ -47,8 +46,8 @@ CHECKS: tuple[Check, ...] = (
     Check(
         "packages",
         "every plug-in and every package with robots or skills loads",
-        packages.probe_packages,
-        packages.judge_packages,
+        robots.probe_packages,
+        robots.judge_packages,
     ),
     Check(
         "folders",

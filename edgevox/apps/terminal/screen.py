@@ -27,7 +27,7 @@ from edgevox.apps.agent.parts import AgentParts
 from edgevox.apps.run_program import ShutdownSignals
 from edgevox.apps.terminal.prompt import DoubleInterrupt
 from edgevox.apps.terminal.slash_commands import Leave, SlashContext, is_stop, run_command
-from edgevox.apps.terminal.update_buffer import ScreenUpdate, UpdateBuffer
+from edgevox.apps.terminal.view import ScreenUpdate, UpdateBuffer
 from edgevox.core.clock import Clock, SystemClock
 from edgevox.core.commands import Command, Interrupt, SetMuted, TextInput, Way
 from edgevox.core.errors import InvalidValue

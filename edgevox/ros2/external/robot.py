@@ -27,7 +27,7 @@ from edgevox.robots.limits import Bounds
 from edgevox.robots.navigation import LOCATION, navigation_skills
 from edgevox.robots.occupancy_map import OccupancyMap
 from edgevox.robots.places.memory import PlaceMemory
-from edgevox.ros2.clients.agent_node_handle import AgentNodeHandle
+from edgevox.ros2.agent_node_handle import AgentNodeHandle
 from edgevox.ros2.contract import EXTERNAL_NODE
 from edgevox.ros2.external.inputs import incredible
 from edgevox.ros2.external.locations import Location

@@ -10,7 +10,7 @@ from rclpy.clock_type import ClockType
 from edgevox.core.cancel import CancelToken
 from edgevox.core.clock import Clock
 from edgevox.core.log import get_logger
-from edgevox.ros2.clients.agent_node_handle import AgentNodeHandle
+from edgevox.ros2.agent_node_handle import AgentNodeHandle
 from edgevox.ros2.contract import EXTERNAL_NODE
 from edgevox.ros2.external.inputs import SensorInputs
 from edgevox.ros2.external.motion import (

@@ -31,8 +31,7 @@ from edgevox.core.transforms import (
     inverse,
     is_prefix,
 )
-from edgevox.ros2.messages import transform_msg
-from edgevox.ros2.qos import profile
+from edgevox.ros2.messages import profile, transform_msg
 from edgevox.ros2.stamps import StampedPublisher
 from edgevox.ros2.standard_topics import STANDARD
 from edgevox.ros2.tf_buffer import FramePose

@@ -24,8 +24,7 @@ from edgevox.robots.capabilities import Body, HasEndEffector, HasPose
 from edgevox.robots.limits import Steerable, Steering
 from edgevox.ros2.backlog import Backlog
 from edgevox.ros2.interop.frames import Frames
-from edgevox.ros2.messages import pose_of
-from edgevox.ros2.qos import profile
+from edgevox.ros2.messages import pose_of, profile
 from edgevox.ros2.stamps import to_ns
 from edgevox.ros2.standard_topics import STANDARD
 from edgevox.ros2.tf_buffer import TfBuffer

@@ -35,8 +35,7 @@ from edgevox.robots.capabilities import (
     Twist2D,
 )
 from edgevox.ros2.interop.frames import Broadcaster, Frames, Odometer
-from edgevox.ros2.messages import header, pose_msg
-from edgevox.ros2.qos import profile
+from edgevox.ros2.messages import header, pose_msg, profile
 from edgevox.ros2.stamps import NS_PER_S, StampedPublisher, Stamps, to_msg
 from edgevox.ros2.standard_topics import STANDARD
 from edgevox.ros2.tf_buffer import FramePose, TfBuffer

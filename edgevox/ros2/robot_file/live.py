@@ -15,16 +15,16 @@ from edgevox.agent.skills import GoalHandle, SkillFailed
 from edgevox.core.cancel import Cancelled, CancelToken
 from edgevox.core.clock import Clock
 from edgevox.core.log import get_logger
-from edgevox.ros2.clients.clients import (
+from edgevox.ros2.clients import (
     READ_S,
     ActionRunner,
+    Newest,
     ServiceCaller,
     TopicListener,
     TopicSender,
     interface_reason,
 )
-from edgevox.ros2.clients.waiting import Newest
-from edgevox.ros2.qos import interface_profile
+from edgevox.ros2.messages import interface_profile
 from edgevox.ros2.robot_file.messages import LONGEST_TEXT, Filling, brief, read_path, with_arguments
 from edgevox.ros2.robot_file.plan import PlannedStep
 from edgevox.ros2.robot_file.steps import (

@@ -32,7 +32,7 @@ from edgevox.robots.flat.diff_drive import DiffDriveRobot
 from edgevox.robots.flat.pymunk_engine import PymunkEngine
 from edgevox.robots.sim_loop import SimComponent
 from edgevox.robots.world.load import load_world
-from edgevox.ros2.bridge_context import ExecutorComponent, ExecutorCounts
+from edgevox.ros2.open import ExecutorComponent, ExecutorCounts
 from edgevox.voice.status import AudioComponent, SttComponent, TtsComponent
 
 GIB = 1024 * MIB

@@ -16,8 +16,7 @@ from edgevox.apps.doctor.check import CheckAnswer, CheckVerdict
 from edgevox.apps.doctor.command import print_table
 from edgevox.apps.listen import ListenView
 from edgevox.apps.streams import show
-from edgevox.apps.terminal.update_buffer import UpdateBuffer
-from edgevox.apps.terminal.view import View
+from edgevox.apps.terminal.view import UpdateBuffer, View
 from edgevox.console.sessions import Role, Sessions
 from edgevox.core.agent_events import GoalChanged, GoalRejected, GoalStatus, HandedOver, ToolCalled
 from edgevox.core.bus import Bus

@@ -12,7 +12,7 @@ from edgevox.agent.text.reasons import because
 from edgevox.core.cancel import CancelToken
 from edgevox.core.clock import Clock, SystemClock
 from edgevox.core.errors import InvalidValue
-from edgevox.ros2.clients.clients import (
+from edgevox.ros2.clients import (
     READ_S,
     STEERING,
     THERE_S,
