@@ -1,9 +1,4 @@
-"""ROS 2 messages: poses, JSON that every parser reads whatever its numbers, and their QoS."""
-
-import json
-import math
-from collections.abc import Mapping
-from typing import Any
+"""ROS 2 messages of poses, and the contract's qualities of service as rclpy wants them."""
 
 from builtin_interfaces.msg import Time
 from geometry_msgs.msg import Point, Pose, Quaternion, Transform, TransformStamped, Vector3
@@ -12,29 +7,6 @@ from std_msgs.msg import Header
 
 from edgevox.core.transforms import Pose3D
 from edgevox.ros2.contract_rows import Qos, QosSpec
-
-_ENCODER = json.JSONEncoder(ensure_ascii=False, allow_nan=False, default=str)
-"""The shared encoder: `json.dumps` makes a new one for each call with options."""
-
-
-def write(data: Mapping[str, Any]) -> str:
-    """Write a JSON object that every parser reads: a number that is not finite becomes null."""
-    try:
-        text = _ENCODER.encode(data)
-        text.encode()
-    except ValueError:
-        return json.dumps(_finite(data), default=str)
-    return text
-
-
-def _finite(value: Any) -> Any:
-    if isinstance(value, float) and not math.isfinite(value):
-        return None
-    if isinstance(value, Mapping):
-        return {str(key): _finite(one) for key, one in value.items()}
-    if isinstance(value, list | tuple):
-        return [_finite(one) for one in value]
-    return value
 
 
 def header(frame: str, stamp: Time) -> Header:

@@ -192,6 +192,8 @@ def open_bridge(context: BridgeContext, ros_args: Sequence[str] = ()) -> Bridge:
     Raises `EdgeVoxError` where rclpy is here but does not work: no robot is silent in secret.
     """
     try:
+        import rclpy  # noqa: F401 - first, so that it is missing by its own name
+
         from edgevox.ros2.bridge import RosBridge
     except ModuleNotFoundError as error:
         missing = (error.name or "").partition(".")[0]

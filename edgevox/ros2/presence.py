@@ -34,8 +34,8 @@ from edgevox.core.files.validation import dotted, explain
 from edgevox.core.log import get_logger
 from edgevox.core.motion.interlock import Holder, Interlock
 from edgevox.core.status import ComponentName, HealthCheck, Status
-from edgevox.ros2.contract import PRESENCE, TAKE_OVER
-from edgevox.ros2.messages import profile, write
+from edgevox.ros2.contract import PRESENCE, TAKE_OVER, write
+from edgevox.ros2.messages import profile
 from edgevox.ros2.open import Sharing
 from edgevox.ros2.ticker import Ticker
 

@@ -41,8 +41,7 @@ from edgevox.core.errors import EdgeVoxError, shorten
 from edgevox.core.files.json_reader import read_json_object
 from edgevox.core.log import get_logger
 from edgevox.ros2.backlog import Backlog
-from edgevox.ros2.contract import ACTION
-from edgevox.ros2.messages import write
+from edgevox.ros2.contract import ACTION, write
 
 log = get_logger(__name__)
 

@@ -5,7 +5,8 @@ from pathlib import Path
 import pytest
 import yaml
 
-from edgevox.security.roles import EnclaveRole, Graph, Rights, is_node, rights_of
+from edgevox.security.documents import Rights, is_node
+from edgevox.security.roles import EnclaveRole, Graph, rights_of
 
 ROOT = Path(__file__).parents[3]
 CONTRACT = yaml.safe_load((ROOT / "tests/ros2/contract.yaml").read_text("utf-8"))
