@@ -55,9 +55,9 @@ from edgevox.core.status import (
     lives,
 )
 from edgevox.models import ModelMissing
-from edgevox.ops.diagnostics import DiskComponent, ProcessComponent
 from edgevox.ops.health import Health
 from edgevox.ops.logs import BusLog
+from edgevox.ops.machine import DiskComponent, ProcessComponent
 from edgevox.robots.capabilities import Body, HasPicture, HasPose
 from edgevox.robots.flat.viewer import Viewer, has_display
 from edgevox.robots.program_senses import senses_of

@@ -23,7 +23,7 @@ from edgevox.core.errors import EdgeVoxError, install_extra
 from edgevox.core.process import cpu_quota, usable_cpus
 from edgevox.core.settings import NO_LLM, Settings
 from edgevox.models import Store
-from edgevox.ops.diagnostics import MIB, DiskSpace, room, rooms
+from edgevox.ops.machine import MIB, DiskSpace, room, rooms
 
 _WITH_CAMERA = ("robot-panda", "robot-humanoid")
 

@@ -27,7 +27,7 @@ from edgevox.apps.doctor.check import (
 from edgevox.apps.doctor.security import NOT_WITH_SECURITY, is_secured
 from edgevox.core.errors import install_extra
 from edgevox.core.files.user_file import size_bytes
-from edgevox.ops.diagnostics import MIB
+from edgevox.ops.machine import MIB
 
 DOMAIN, RANGE = "ROS_DOMAIN_ID", "ROS_AUTOMATIC_DISCOVERY_RANGE"
 ROUND_TRIP = "edgevox.ros2.doctor:round_trip"

@@ -10,7 +10,7 @@ from edgevox.agent.llm.language_model import ModelFailed
 from edgevox.apps.doctor import machine, model_files, sound
 from edgevox.apps.doctor import machine as graphics
 from edgevox.models import Store
-from edgevox.ops.diagnostics import MIB
+from edgevox.ops.machine import MIB
 
 PC = {"version": [3, 12, 1], "system": "Linux", "release": "6.1", "machine": "x86_64"}
 

@@ -25,8 +25,8 @@ from edgevox.core.status import (
     RecentIncrease,
     Status,
 )
-from edgevox.ops.diagnostics import MIB, DiskSpace, ProcessComponent, disk_status, room, rooms
 from edgevox.ops.health import Health
+from edgevox.ops.machine import MIB, DiskSpace, ProcessComponent, disk_status, room, rooms
 from edgevox.robots.capabilities import Twist2D
 from edgevox.robots.flat.diff_drive import DiffDriveRobot
 from edgevox.robots.flat.pymunk_engine import PymunkEngine
