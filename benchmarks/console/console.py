@@ -32,8 +32,7 @@ from benchmarks.console.speech import speech
 from benchmarks.core.figures import Figure, Measured
 from benchmarks.core.stopwatch import percent_of
 from benchmarks.core.talker import Talker
-from edgevox.console.pairing import Pairing
-from edgevox.console.sessions import Role
+from edgevox.console.sessions import Pairing, Role
 
 TABLE = "The console"
 ROUNDS = 20

@@ -48,7 +48,7 @@ def _run(given: Sequence[str]) -> int:
     arguments = _parser().parse_args(own)
 
     def prepare() -> Callable[[], bool]:
-        from edgevox.apps.agent.serve import serve
+        from edgevox.apps.agent.build import serve
 
         settings = load_settings(given_flags(arguments), arguments.config)
         set_up_logs("edgevox", settings)

@@ -17,8 +17,7 @@ from edgevox.console.door import Door, cut
 from edgevox.console.limits import UNREADABLE, BadRequest, BadRequests, PageRateLimit
 from edgevox.console.page_hub import PageHub
 from edgevox.console.page_messages import MOST_BYTES
-from edgevox.console.pairing import Pairing
-from edgevox.console.sessions import LAST_S, Role, Session
+from edgevox.console.sessions import LAST_S, Pairing, Role, Session
 from edgevox.console.sockets.browser_sound import MOST_BYTES as MOST_SOUND
 from edgevox.console.sockets.browser_sound import SoundLine, SoundPage
 from edgevox.console.sockets.control import ControlPage, SocketLimits

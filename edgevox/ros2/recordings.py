@@ -14,7 +14,7 @@ from contextlib import contextmanager, suppress
 from enum import StrEnum
 from pathlib import Path
 
-from edgevox.core.files.atomic_file import sync_folder
+from edgevox.core.files.state_files import sync_folder
 from edgevox.core.files.user_file import size_bytes
 
 PREFIX = "edgevox-"

@@ -7,7 +7,7 @@ from guards import HUNG_S
 from stacks import PATIENCE, Stack, stack
 from waiting import wait_until
 
-from edgevox.apps.shutdown_signals import STUCK
+from edgevox.apps.run_program import STUCK
 
 pytestmark = pytest.mark.usefixtures("image")
 SERVICE = "edgevox-ros2"

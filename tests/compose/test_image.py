@@ -149,7 +149,7 @@ def test_a_container_with_one_processor_computes_with_one_thread(inside):
 
 
 def test_what_the_container_may_take_of_memory_is_known_in_it(inside):
-    asked = "from edgevox.core.process.cgroup import memory_left; print(memory_left())"
+    asked = "from edgevox.core.process import memory_left; print(memory_left())"
     left = int(inside("python3", "-c", asked, options=("--memory=256m",)))
     assert 100 << 20 < left < 256 << 20
 

@@ -18,7 +18,7 @@ from support.recordings import write_wav
 from test_voice_program import AGENT
 from waiting import Heard
 
-from edgevox.apps.shutdown_signals import STUCK
+from edgevox.apps.run_program import STUCK
 
 DEAF_TO_NOTHING = ("env", "--default-signal=INT")
 """What a script starts in the background ignores Ctrl-C, and so do its children."""

@@ -9,7 +9,7 @@ from listener_rig import frames, loud, room_echo, says_espeak, says_piper, silen
 from edgevox.voice.audio import RATE_HZ, rms
 from edgevox.voice.echo.gate import EchoGate
 from edgevox.voice.endpoint import Endpointer, SpeechBegan
-from edgevox.voice.foreground import open_vad
+from edgevox.voice.vad import open_vad
 
 ROBOT_LEVEL = 0.1
 ROOMS_DB = (-6, -12, -18, -24, -30)

@@ -18,7 +18,7 @@ from models_wheelhouse import (
 
 from edgevox.models import FetchFailed, fetch
 from edgevox.models.fetch import network
-from edgevox.models.source_specs import HubSource
+from edgevox.models.manifest import HubSource
 from edgevox.models.sources.hub import Hub
 
 HUB = {"kind": "hub", "repo": "us/voices"}

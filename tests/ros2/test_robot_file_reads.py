@@ -13,10 +13,10 @@ from edgevox.agent.skills import Call, OwnName, SkillSet
 from edgevox.apps.agent.policy import build_guard
 from edgevox.apps.robots import build_agents
 from edgevox.core.bus import Bus
+from edgevox.core.commands import Way
 from edgevox.core.errors import InvalidValue
 from edgevox.core.files.yaml_file import YamlFile
 from edgevox.core.settings import Settings
-from edgevox.core.ways import Way
 from edgevox.robots.capabilities import (
     DrivesTo,
     HasPlaces,
@@ -26,8 +26,7 @@ from edgevox.robots.capabilities import (
 )
 from edgevox.ros2.external import EXTERNAL
 from edgevox.ros2.external.settings import SteeringLimits
-from edgevox.ros2.robot_file.format import MOST_SKILLS, RobotFile
-from edgevox.ros2.robot_file.load import load_robot_file
+from edgevox.ros2.robot_file.format import MOST_SKILLS, RobotFile, load_robot_file
 from edgevox.ros2.robot_file.messages import Filling
 from edgevox.ros2.robot_file.skills import DescribedSkill
 from edgevox.ros2.standard_topics import DRIVEN

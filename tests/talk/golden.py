@@ -19,10 +19,10 @@ from edgevox.agent.phrases.phrasebook import Phrasebook
 from edgevox.agent.skills import Skill, skill
 from edgevox.agent.text.reasons import because
 from edgevox.agent.text.words import bare, continued, fields
-from edgevox.core.language_files import CODES, language_file
+from edgevox.core.languages import CODES, language_file
 from edgevox.core.reason import Reason
 from edgevox.robots.navigation import LOCATION, navigation_skills
-from edgevox.ros2.clients.clients import interface_reason
+from edgevox.ros2.clients import interface_reason
 
 FOLDER = Path(__file__).with_name("golden")
 ARGUMENTS: Mapping[str, Any] = {

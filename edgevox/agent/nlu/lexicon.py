@@ -22,7 +22,7 @@ from edgevox.agent.skills import Skill, SkillSet
 from edgevox.agent.skills.arguments import is_number_type
 from edgevox.agent.text.spelling import NUMBER, folded, separated
 from edgevox.core.files.text import one_form
-from edgevox.core.language_files import language_file
+from edgevox.core.languages import language_file
 
 
 @dataclass(frozen=True, slots=True)

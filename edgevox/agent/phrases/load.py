@@ -17,8 +17,7 @@ from edgevox.agent.text.number_words import Numbers, Rewriting, lengths, number_
 from edgevox.agent.text.spelling import key
 from edgevox.agent.text.words import word_of
 from edgevox.core.files.text import one_form
-from edgevox.core.language_files import language_file
-from edgevox.core.languages import LANGUAGES
+from edgevox.core.languages import LANGUAGES, language_file
 
 ENGLISH = "en"
 """The language that skills and robots speak by themselves, and that all others fall back to."""

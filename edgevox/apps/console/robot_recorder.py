@@ -113,7 +113,7 @@ LEAST_MB = 50
 """Space that a recording needs to begin; a smaller bound in the settings is enough."""
 MOST_FILE_MB = 10_000_000
 """A recording is one file, whatever the settings allow it."""
-PROGRAM = "from edgevox.apps.console.recorder_child import main; raise SystemExit(main())"
+PROGRAM = "from edgevox.apps.recorder import main_under_agent; raise SystemExit(main_under_agent())"
 
 
 class NoRecorder(StrEnum):

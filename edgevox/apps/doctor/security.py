@@ -12,10 +12,17 @@ from edgevox.apps.dds_security import (
     Asked,
     asked_security,
     domain_of,
+    read_enclave,
 )
-from edgevox.apps.doctor.check import CheckVerdict, Facts, Situation, error, ok, warning
-from edgevox.apps.doctor.runner import probe_apart
-from edgevox.apps.enclave_files import read_enclave
+from edgevox.apps.doctor.check import (
+    CheckVerdict,
+    Facts,
+    Situation,
+    error,
+    ok,
+    probe_apart,
+    warning,
+)
 from edgevox.core.errors import InvalidValue
 
 NAMESPACE = "EDGEVOX_AGENT_NAMESPACE"

@@ -5,9 +5,9 @@ from dataclasses import dataclass, field
 from enum import StrEnum
 
 from edgevox.core.agent_events import GOAL_ENDS
+from edgevox.core.commands import Way
 from edgevox.core.errors import Refusal
 from edgevox.core.events import Cause, Outcome, State
-from edgevox.core.ways import Way
 
 PREFIX = "edgevox_"
 

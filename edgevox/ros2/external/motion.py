@@ -20,8 +20,7 @@ from edgevox.robots.capabilities import LidarScan, Twist2D
 from edgevox.robots.command_mux import STILL
 from edgevox.robots.path_follower import PathFollower
 from edgevox.ros2.external.settings import Jump, Patience, SteeringLimits
-from edgevox.ros2.messages import pose_msg
-from edgevox.ros2.qos import profile
+from edgevox.ros2.messages import pose_msg, profile
 from edgevox.ros2.stamps import to_msg
 from edgevox.ros2.standard_topics import DRIVEN
 

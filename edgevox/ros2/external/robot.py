@@ -1,4 +1,7 @@
-"""`robot-external`: any robot that speaks a few ROS 2 topics, driven over them."""
+"""`robot-external`: any robot that speaks a few ROS 2 topics, driven over them.
+
+`StationaryRobot` does not drive, such as an arm or a lift: it can what its file says.
+"""
 
 import math
 import threading
@@ -12,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from edgevox.agent.policy import Policy
-from edgevox.agent.skills import STOP, GoalHandle, OneOf, Result, Skill, SkillFailed
+from edgevox.agent.skills import STOP, GoalHandle, OneOf, Result, Skill, SkillFailed, skill
 from edgevox.agent.text.reasons import because, called_off
 from edgevox.core.cancel import Cancelled, CancelToken
 from edgevox.core.clock import Clock, SystemClock
@@ -24,14 +27,15 @@ from edgevox.robots.limits import Bounds
 from edgevox.robots.navigation import LOCATION, navigation_skills
 from edgevox.robots.occupancy_map import OccupancyMap
 from edgevox.robots.places.memory import PlaceMemory
-from edgevox.ros2.clients.agent_node_handle import AgentNodeHandle
-from edgevox.ros2.external.control_loop import ZeroVelocity
+from edgevox.ros2.agent_node_handle import AgentNodeHandle
+from edgevox.ros2.contract import EXTERNAL_NODE
 from edgevox.ros2.external.inputs import incredible
 from edgevox.ros2.external.locations import Location
 from edgevox.ros2.external.motion import PoseEstimate, Target, describe
-from edgevox.ros2.external.navigation import ExternalNavigation, LocalisationCheck
+from edgevox.ros2.external.navigation import ExternalNavigation, LocalisationCheck, ZeroVelocity
 from edgevox.ros2.external.robot_node import RobotNode
 from edgevox.ros2.external.settings import FURTHEST_M, ExternalSettings
+from edgevox.ros2.node import RosNode
 from edgevox.ros2.robot_file.skills import DescribedSkill
 from edgevox.ros2.stamps import NS_PER_S
 
@@ -321,3 +325,81 @@ class ExternalRobot:
             {"x": round(estimate.pose.x_m, 3), "y": round(estimate.pose.y_m, 3)} if estimate else {}
         )
         report(progress=round(progress.part, 3), distance_m=round(progress.left, 3), **where)
+
+
+class StationaryRobot:
+    """A body without pose or velocity, such as an arm, and so without topics of the contract.
+
+    Its node has only the interfaces of its skills. It moves only by goals, which every stop ends.
+    """
+
+    name = "robot-external"
+    about = ""
+    """Its name and purpose, if its robot file gives them."""
+    own_policy: Path | Policy | None = None
+    """The policy that its file names or holds, for where no setting names one."""
+
+    def __init__(
+        self, namespace: str, described: Sequence[DescribedSkill], clock: Clock | None = None
+    ) -> None:
+        self._namespace, self._described = namespace, described
+        self._clock = clock or SystemClock()
+        self._node: RosNode | None = None
+        self.ros = AgentNodeHandle(self._clock)
+        """Access to its node, for skills."""
+        self._skills = (_stop(), *(one.skill() for one in described))
+
+    @property
+    def skills(self) -> tuple[Skill, ...]:
+        return self._skills
+
+    @property
+    def time_s(self) -> float:
+        """The time of its node, which is the robot's if it follows /clock; 0 while it is off."""
+        node = self._node
+        return node.node.get_clock().now().nanoseconds / NS_PER_S if node else 0.0
+
+    @property
+    def stalled_s(self) -> float:
+        """Seconds for which it has taken in no messages."""
+        node = self._node
+        return node.stalled_s if node else 0.0
+
+    def start(self) -> None:
+        """Join the graph. Raises `RosBridgeFailed` where that cannot be done."""
+        self._node = RosNode(self._namespace, name=EXTERNAL_NODE)
+        for one in self._described:
+            one.open(self._node.node, self._clock)
+        self.ros.open(self._node.node)
+        self._node.start()
+
+    def close(self) -> None:
+        """Leave the graph."""
+        node, self._node = self._node, None
+        if node is None:
+            return
+        for one in self._described:
+            one.close()
+        self.ros.close()
+        node.close()
+
+    def state(self) -> Mapping[str, Any]:
+        """Return its name and its time; it has no pose."""
+        return {"name": self.name, "time": round(self.time_s, 3)}
+
+    def halt(self, reason: str) -> bool:  # noqa: ARG002 - every body is told why
+        """Return False: it moves only by its skills, whose goals end by themselves."""
+        return False
+
+    def reset(self) -> None:
+        """A real robot cannot be put back."""
+
+
+def _stop() -> Skill:
+    @skill()
+    def stop(goal: GoalHandle) -> Result:
+        """Stop at once what it does."""
+        goal.token.check()  # as a goal that moves it has ended the one before
+        return {}
+
+    return stop

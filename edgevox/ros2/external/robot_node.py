@@ -10,9 +10,8 @@ from rclpy.clock_type import ClockType
 from edgevox.core.cancel import CancelToken
 from edgevox.core.clock import Clock
 from edgevox.core.log import get_logger
-from edgevox.ros2.clients.agent_node_handle import AgentNodeHandle
+from edgevox.ros2.agent_node_handle import AgentNodeHandle
 from edgevox.ros2.contract import EXTERNAL_NODE
-from edgevox.ros2.external.control_loop import ControlLoop
 from edgevox.ros2.external.inputs import SensorInputs
 from edgevox.ros2.external.motion import (
     GoalTopicBackend,
@@ -21,6 +20,7 @@ from edgevox.ros2.external.motion import (
     VelocityPublisher,
 )
 from edgevox.ros2.external.nav2 import LOST_S, Nav2Cancel, nav2_action
+from edgevox.ros2.external.navigation import ControlLoop
 from edgevox.ros2.external.odometry import SILENT_S
 from edgevox.ros2.external.settings import (
     SPEED_M_S,

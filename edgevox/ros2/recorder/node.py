@@ -10,12 +10,10 @@ from edgevox.core.log import get_logger
 from edgevox.core.status import Finding, HealthCheck, Level, Status, lives, moves
 from edgevox.ros2.contract import RECORDER_NODE
 from edgevox.ros2.node import RosNode
-from edgevox.ros2.recorder.definitions import definition
-from edgevox.ros2.recorder.disk import WriteQueue, Writing
-from edgevox.ros2.recorder.mcap import RecordedMessage
+from edgevox.ros2.recorder.disk import Disk, WriteQueue, Writing
+from edgevox.ros2.recorder.mcap import RecordedMessage, definition
 from edgevox.ros2.recorder.mend import mend_recordings
 from edgevox.ros2.recorder.recorded_topics import Recorded, message_class
-from edgevox.ros2.recorder.room import Disk
 from edgevox.ros2.recordings import UPLOAD_FAILED
 
 log = get_logger(__name__)

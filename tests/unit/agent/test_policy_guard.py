@@ -13,10 +13,10 @@ from edgevox.agent.policy.status import NO_FILE, PolicyComponent
 from edgevox.apps.agent.policy import build_guard, known_names, policy_context
 from edgevox.core.agent_events import GoalRejected, as_json
 from edgevox.core.bus import Bus
+from edgevox.core.commands import Way
 from edgevox.core.errors import InvalidValue
 from edgevox.core.settings import check_settings
 from edgevox.core.status import Level
-from edgevox.core.ways import Way
 from edgevox.robots.capabilities import Twist2D
 from edgevox.robots.flat.apartment import ApartmentRobot
 

@@ -9,9 +9,9 @@ from enclaves_rig import DAY, NOW, make_enclave
 
 from edgevox.apps import dds_security
 from edgevox.apps.dds_security import secured
-from edgevox.apps.doctor.runner import ProbeFailed
+from edgevox.apps.doctor.check import ProbeFailed
 from edgevox.core.errors import InvalidValue
-from edgevox.ros2.doctor.middleware_build import judged_by
+from edgevox.ros2.doctor import judged_by
 
 BUILT = {"middleware": "rmw_fastrtps_cpp", "security": True, "bundled_openssl": "", "taken": True}
 ROBOT = {"EDGEVOX_AGENT_NAMESPACE": "/robot1"}

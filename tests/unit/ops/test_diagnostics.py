@@ -12,36 +12,36 @@ from support.clock import HeldClock
 from edgevox.agent.llm.status import LlmComponent
 from edgevox.core.bus import Bus
 from edgevox.core.events import AudioLevel, Outcome, TokenGenerated, TurnEnded, TurnMeasured
-from edgevox.core.gauges import Gauges
 from edgevox.core.languages import LANGUAGES
 from edgevox.core.status import (
     LATELY_S,
     STALL_S,
     Components,
     Finding,
+    Gauges,
     HealthCheck,
     Level,
     Off,
     RecentIncrease,
     Status,
 )
-from edgevox.ops.diagnostics.disk import (
+from edgevox.ops.health import Health
+from edgevox.ops.machine import (
     MIB,
     DiskComponent,
     DiskSpace,
+    ProcessComponent,
     disk_status,
     room,
     rooms,
     unwritable,
 )
-from edgevox.ops.diagnostics.process import ProcessComponent
-from edgevox.ops.health import Health
 from edgevox.robots.capabilities import Twist2D
 from edgevox.robots.flat.diff_drive import DiffDriveRobot
 from edgevox.robots.flat.pymunk_engine import PymunkEngine
 from edgevox.robots.sim_loop import SimComponent
 from edgevox.robots.world.load import load_world
-from edgevox.ros2.bridge_status import ExecutorComponent, ExecutorCounts
+from edgevox.ros2.open import ExecutorComponent, ExecutorCounts
 from edgevox.voice.status import AudioComponent, SttComponent, TtsComponent
 
 GIB = 1024 * MIB

@@ -1,4 +1,9 @@
-"""The topics `presence` and `take_over`, and the interlock that follows from them.
+"""The agents that share a namespace, and the one of them that moves the robot.
+
+Two agents on one namespace hear the same sentences and have nodes of the same name; without a rule
+both would drive. Each agent publishes a `Claim`; `Members` lists the agents present and holds the
+rule; `Presence` serves the topics `presence` and `take_over`, and the interlock that follows from
+them. No clocks are compared, and the graph is not used: it shows a killed process for another 20 s.
 
 Every process that hears the same claims gives the same answer: the agents present, and the one in
 charge. The rule: the agent that was told to take over last, else the one that has been here alone,
@@ -29,14 +34,12 @@ from edgevox.core.files.validation import dotted, explain
 from edgevox.core.log import get_logger
 from edgevox.core.motion.interlock import Holder, Interlock
 from edgevox.core.status import ComponentName, HealthCheck, Status
-from edgevox.ros2.bridge_status import Sharing
-from edgevox.ros2.contract import PRESENCE, TAKE_OVER
-from edgevox.ros2.messages import write
-from edgevox.ros2.qos import profile
+from edgevox.ros2.contract import PRESENCE, TAKE_OVER, write
+from edgevox.ros2.messages import profile
+from edgevox.ros2.open import Sharing
 from edgevox.ros2.ticker import Ticker
 
 log = get_logger(__name__)
-
 
 MOST_TERM = 2**31
 MAX_BYTES = 4096

@@ -1,4 +1,4 @@
-"""Which components there are, and what a level of each means: once, for docs and tests."""
+"""The components, and what a level of each means: a table of docs/monitoring.md."""
 
 from dataclasses import dataclass
 

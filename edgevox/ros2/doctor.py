@@ -1,12 +1,13 @@
-"""Probes of ROS 2 on this machine for the doctor, run in their own processes.
+"""Probes of ROS 2 for `edgevox doctor` and for the start-up, each run in its own process.
 
-``python -m edgevox.ros2.doctor.probe TOPIC`` is the other end of the round trip: it sends back
-every message that it hears.
+``python -m edgevox.ros2.doctor TOPIC`` is the other end of the round trip: it sends back every
+message that it hears.
 """
 
 import importlib
 import importlib.util
 import os
+import re
 import subprocess
 import sys
 import threading
@@ -51,7 +52,7 @@ def round_trip() -> dict[str, Any]:
     from std_msgs.msg import String
 
     topic = f"/edgevox_doctor/p{os.getpid()}"
-    command = [sys.executable, "-m", "edgevox.ros2.doctor.probe", topic]
+    command = [sys.executable, "-m", "edgevox.ros2.doctor", topic]
     other = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
     try:
         if other.stdout:
@@ -104,7 +105,7 @@ class _Node:
         return self._node
 
     def __exit__(self, *_: object) -> None:
-        from edgevox.ros2.spin import end_spin
+        from edgevox.ros2.node import end_spin
 
         end_spin(self._ended, self._executor, self._thread)
         self._node.destroy_node()
@@ -113,7 +114,7 @@ class _Node:
     def _spin(self) -> None:
         from rclpy.executors import ExternalShutdownException
 
-        from edgevox.ros2.spin import spin_until
+        from edgevox.ros2.node import spin_until
 
         try:
             spin_until(self._ended, self._executor)
@@ -156,6 +157,69 @@ def _installed() -> list[str]:
     prefixes = [sys.prefix, *os.environ.get("AMENT_PREFIX_PATH", "").split(os.pathsep)]
     folders = (Path(p, "share/ament_index/resource_index/rmw_typesupport") for p in prefixes if p)
     return sorted({file.name for one in folders if one.is_dir() for file in one.iterdir()})
+
+
+SECURITY = b"dds.sec.auth.builtin.PKI-DH"
+"""A property of Fast DDS's authentication plug-in: a build without security lacks its name."""
+FAST_DDS = re.compile(r"libfast(rtps|dds)\.so")
+BUNDLED_OPENSSL = re.compile(r"\.libs/libssl-\w+\.so\.([\w.]+)")
+"""OpenSSL libraries of Python wheels: their folder and file names are unlike any other's."""
+
+
+def middleware_build(middleware: str = "") -> dict[str, Any]:
+    """Report which middleware loads, whether it has DDS security, and the wheels' OpenSSL version.
+
+    Makes no node: without security support, one would hang or end the process. Only Fast DDS counts
+    as secure, since only its libraries are known here.
+    """
+    for name in [name for name in os.environ if name.startswith("ROS_SECURITY_")]:
+        del os.environ[name]  # a context would look for the enclave first
+    if middleware:
+        os.environ["RMW_IMPLEMENTATION"] = middleware
+    if importlib.util.find_spec("rclpy") is None:
+        return {"middleware": "", "security": False, "bundled_openssl": ""}
+    from rclpy.context import Context
+    from rclpy.utilities import get_rmw_implementation_identifier
+
+    context = Context()
+    context.init()
+    context.try_shutdown()
+    maps = Path("/proc/self/maps").read_text(encoding="utf-8", errors="replace")
+    loaded = {line.split(maxsplit=5)[5] for line in maps.splitlines() if ".so" in line}
+    return {"middleware": get_rmw_implementation_identifier(), **judged_by(loaded)}
+
+
+def judged_by(libraries: set[str]) -> dict[str, Any]:
+    """Judge the build by the paths of the loaded libraries."""
+    fast_dds = [Path(one) for one in libraries if FAST_DDS.search(one)]
+    openssl = [found[1] for one in libraries if (found := BUNDLED_OPENSSL.search(one))]
+    return {
+        "security": any(SECURITY in one.read_bytes() for one in fast_dds),
+        "bundled_openssl": max(openssl, default=""),
+    }
+
+
+_NO_PARTICIPANT = "create participant"
+"""Part of rmw's message if the enclave is at fault, and not the node's name."""
+
+
+def participant_probe() -> dict[str, Any]:
+    """Try to create a participant in the environment's enclave, and leave at once.
+
+    Only the middleware can check who signed the governance and the permissions.
+    """
+    import rclpy
+    from rclpy.context import Context
+
+    context = Context()
+    try:
+        context.init()
+        rclpy.create_node("edgevox_enclave_check", context=context).destroy_node()
+    except Exception as failed:  # noqa: BLE001 - rclpy has no base class for what it raises
+        return {"taken": _NO_PARTICIPANT not in str(failed)}
+    finally:
+        context.try_shutdown()
+    return {"taken": True}
 
 
 if __name__ == "__main__":

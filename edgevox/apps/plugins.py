@@ -1,4 +1,7 @@
-"""The loader of plug-ins: puts a folder's packages where Python and `importlib.metadata` find them.
+"""Packages from a folder that an operator names: robots and skills, without an installation.
+
+The loader puts the folder's packages where Python and `importlib.metadata` find them. Nothing is
+fetched, built or installed. Imports only core; the programs import it.
 
 `plugins.sha256`, if there, lists the only files that the folder may hold. A package may also be a
 project's source folder, not built: `importlib.metadata` finds it by its pyproject.toml as if it

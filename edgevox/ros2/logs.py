@@ -1,8 +1,9 @@
-"""EdgeVox's log lines on ``/rosout``, for ``rqt_console`` and the like, and ROS 2's in logging.
+"""Logs and ROS 2: its lines in our stream, ours on ``/rosout``, levels set by its services.
 
 Lines of ROS 2's own C and Python code go through Python's logging, as any library's do. All of them
 pass one function pointer of rcutils. `RcutilsStream` passes each line on to logging, and then to
-the former function, which writes to ``/rosout`` and to ROS 2's log file.
+the former function, which writes to ``/rosout`` and to ROS 2's log file. `LoggerLevels` serves
+levels for ROS 2's loggers and for ours alike.
 """
 
 import atexit
@@ -10,11 +11,15 @@ import ctypes
 import logging
 import platform
 from collections import deque
+from collections.abc import Iterable, Sequence
 from copy import copy
+from itertools import pairwise
 from typing import Any, NamedTuple
 
+import rclpy.logging
 from builtin_interfaces.msg import Time
-from rcl_interfaces.msg import Log
+from rcl_interfaces.msg import Log, LoggerLevel, SetLoggerLevelsResult
+from rcl_interfaces.srv import GetLoggerLevels, SetLoggerLevels
 from rclpy.duration import Duration
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
@@ -22,7 +27,7 @@ from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from edgevox.core.clock import Clock, SystemClock
 from edgevox.core.files.text import one_line
 from edgevox.core.log import ROOT, LogLine
-from edgevox.ops.logs import RateLimit
+from edgevox.ops.logs import LEVELS, RateLimit, level_of, set_level
 from edgevox.ros2.ticker import Ticker
 
 _SEVERITY = {0, 10, 20, 30, 40, 50}
@@ -236,3 +241,83 @@ def _message(record: logging.LogRecord, node: str) -> Log:
         function=record.funcName or "",
         line=record.lineno,
     )
+
+
+_OPTION = "--log-level"
+
+
+class LoggerLevels:
+    """Serves ``~/get_logger_levels`` and ``~/set_logger_levels``, instead of rclpy.
+
+    A name stands for both Python's logger and ROS 2's. The node's own logger, as ``/rosout`` shows
+    it, stands for all of EdgeVox.
+    """
+
+    def __init__(self, node: Node) -> None:
+        self._node = node
+        self._services = (
+            node.create_service(GetLoggerLevels, "~/get_logger_levels", self._get),
+            node.create_service(SetLoggerLevels, "~/set_logger_levels", self._set),
+        )
+
+    def close(self) -> None:
+        """Serve them no more."""
+        for service in self._services:
+            self._node.destroy_service(service)
+
+    def _get(
+        self, request: GetLoggerLevels.Request, response: GetLoggerLevels.Response
+    ) -> GetLoggerLevels.Response:
+        response.levels = [LoggerLevel(name=n, level=self._level(n)) for n in request.names]
+        return response
+
+    def _set(
+        self, request: SetLoggerLevels.Request, response: SetLoggerLevels.Response
+    ) -> SetLoggerLevels.Response:
+        response.results = [self._change(one.name, one.level) for one in request.levels]
+        return response
+
+    def _level(self, name: str) -> int:
+        level = level_of(self._ours(name))
+        if level:
+            return level
+        try:
+            return int(rclpy.logging.get_logger_level(name))
+        except RuntimeError:
+            return LEVELS["unset"]
+
+    def _change(self, name: str, level: int) -> SetLoggerLevelsResult:
+        if level not in LEVELS.values():
+            known = ", ".join(str(number) for number in sorted(set(LEVELS.values())))
+            return SetLoggerLevelsResult(reason=f"level: got {level}, expected one of {known}")
+        try:
+            rclpy.logging.set_logger_level(name, level, detailed_error=True)
+        except RuntimeError as error:
+            return SetLoggerLevelsResult(reason=str(error))
+        _set_ours(self._ours(name), level)
+        return SetLoggerLevelsResult(successful=True)
+
+    def _ours(self, name: str) -> str:
+        """The name of Python's logger."""
+        node = self._node.get_logger().name
+        of_node = name == node or name.startswith(f"{node}.")
+        return ROOT + name[len(node) :] if of_node else name
+
+
+def apply_log_levels(ros_args: Sequence[str]) -> None:
+    """Apply ROS 2's ``--log-level`` also to EdgeVox's loggers. Raises nothing: rcl checks."""
+    for name, level in _asked(ros_args):
+        if level in LEVELS:
+            _set_ours(name, LEVELS[level])
+
+
+def _set_ours(name: str, level: int) -> None:
+    """Above all loggers is none to follow: there, unset is what it is for ROS 2."""
+    set_level(name, level if name or level else LEVELS["info"])
+
+
+def _asked(ros_args: Sequence[str]) -> Iterable[tuple[str, str]]:
+    for option, value in pairwise(ros_args):
+        if option == _OPTION:
+            name, assigned, level = value.rpartition(":=")
+            yield (name if assigned else "", level.lower())

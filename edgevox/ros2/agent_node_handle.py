@@ -12,11 +12,11 @@ from edgevox.agent.text.reasons import because
 from edgevox.core.cancel import CancelToken
 from edgevox.core.clock import Clock, SystemClock
 from edgevox.core.errors import InvalidValue
-from edgevox.ros2.clients.action_runner import ActionRunner
-from edgevox.ros2.clients.clients import (
+from edgevox.ros2.clients import (
     READ_S,
     STEERING,
     THERE_S,
+    ActionRunner,
     NodeBusy,
     ServiceCaller,
     TopicListener,

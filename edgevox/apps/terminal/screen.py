@@ -1,8 +1,18 @@
-"""The screen, in Textual: transcript, current speech or action, an input line, a side panel."""
+"""The full-screen terminal, in Textual, run on the main thread.
+
+It shows the transcript, the current speech or action, an input line, and a side panel of a fixed
+width.
+"""
 
 import asyncio
+import math
+import os
+import sys
+import threading
 from collections import deque
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from pathlib import Path
 from typing import Any, ClassVar
 
 from rich.text import Text
@@ -13,15 +23,78 @@ from textual.message import Message
 from textual.widgets import Footer, Input, RichLog, Static
 from textual.worker import Worker
 
+from edgevox.apps.agent.parts import AgentParts
+from edgevox.apps.run_program import ShutdownSignals
 from edgevox.apps.terminal.prompt import DoubleInterrupt
 from edgevox.apps.terminal.slash_commands import Leave, SlashContext, is_stop, run_command
-from edgevox.apps.tui import panels
-from edgevox.apps.tui.update_buffer import ScreenUpdate, UpdateBuffer
-from edgevox.core.clock import Clock
-from edgevox.core.commands import Command, Interrupt, SetMuted, TextInput
+from edgevox.apps.terminal.view import ScreenUpdate, UpdateBuffer
+from edgevox.core.clock import Clock, SystemClock
+from edgevox.core.commands import Command, Interrupt, SetMuted, TextInput, Way
 from edgevox.core.errors import InvalidValue
-from edgevox.core.events import Cause
-from edgevox.core.ways import Way
+from edgevox.core.events import Cause, State, TurnMeasured
+from edgevox.core.files.text import one_line
+
+WIDTH = 26
+MOST_UNREAD = 1000
+_FLOOR_DB = -60.0
+_COLORS = {
+    State.LISTENING: "green",
+    State.TRANSCRIBING: "yellow",
+    State.THINKING: "magenta",
+    State.SPEAKING: "cyan",
+    State.INTERRUPTED: "red",
+}
+
+
+def state_text(state: State, *, muted: bool) -> Text:
+    """The state in its colour, and whether the microphone is off."""
+    text = Text(f"● {state}", style=f"bold {_COLORS[state]}")
+    return text.append("  muted", style="bold red") if muted else text
+
+
+def meter(level: float, *, width: int = WIDTH) -> Text:
+    """A bar from -60 dB to full scale; `level` is a root mean square, 0 to 1."""
+    decibel = 20.0 * math.log10(level) if level > 0.0 else _FLOOR_DB
+    share = min(max(1.0 - decibel / _FLOOR_DB, 0.0), 1.0)
+    filled = round(share * width)
+    return Text("▮" * filled, style="green").append("▯" * (width - filled), style="dim")
+
+
+def latencies(turns: Sequence[TurnMeasured]) -> Text:
+    """The last turns, the newest first: seconds of each stage."""
+    if not turns:
+        return Text("no turns yet", style="dim")
+    lines = ["  stt  llm  tts ttfs total"]
+    lines += [
+        f"{t.stt:5.2f}{t.llm:5.2f}{t.tts:5.2f}{t.ttfs:5.2f}{t.total:6.1f}" for t in reversed(turns)
+    ]
+    return Text("\n".join(lines))
+
+
+def unread(count: int) -> Text:
+    """Return the number of unseen lines of the log, and the key that shows them."""
+    if not count:
+        return Text("")
+    return Text(f"log: {count} new, F3" if count < MOST_UNREAD else "log: many new, F3", "yellow")
+
+
+def machine(models: Mapping[str, Any], hardware: Mapping[str, Any]) -> Text:
+    """Return the loaded models and the hardware, from `model_info` and `hardware_info`."""
+    stt, llm, tts = models["stt"], models["llm"], models["tts"]
+    gpu = hardware.get("gpu_name") or "none"
+    rows = {
+        "stt": _join(stt.get("backend"), stt.get("model_size")),
+        "llm": Path(llm["model_path"]).stem if llm.get("model_path") else "none",
+        "tts": _join(tts.get("backend"), tts.get("voice")),
+        "gpu": gpu,
+        "ram": f"{hardware['ram_gb']:.0f} GB" if hardware.get("ram_gb") else "?",
+    }
+    return Text("\n".join(one_line(f"{name} {value}")[:WIDTH] for name, value in rows.items()))
+
+
+def _join(*words: str | None) -> str:
+    return " ".join(word for word in words if word) or "none"
+
 
 Queries = Mapping[str, Callable[[], Mapping[str, Any]]]
 
@@ -36,7 +109,7 @@ class Face(App[None]):
     TITLE = "EdgeVox"
     ENABLE_COMMAND_PALETTE = False
     CSS = f"""
-    #side {{ width: {panels.WIDTH + 4}; border-left: solid $panel; padding: 0 1; }}
+    #side {{ width: {WIDTH + 4}; border-left: solid $panel; padding: 0 1; }}
     #side Static {{ margin-bottom: 1; }}
     #transcript {{ height: 1fr; scrollbar-size-vertical: 1; }}
     #log {{ height: 2fr; display: none; border-top: solid $panel; }}
@@ -69,7 +142,7 @@ class Face(App[None]):
         self._ctrl_c = DoubleInterrupt(clock)
         self._asked_after: tuple[object, ...] = ()
         self._muted = False
-        self._unread: deque[str] = deque(maxlen=panels.MOST_UNREAD)
+        self._unread: deque[str] = deque(maxlen=MOST_UNREAD)
         self._running_loop: asyncio.AbstractEventLoop | None = None
 
     def compose(self) -> ComposeResult:
@@ -81,9 +154,9 @@ class Face(App[None]):
                 yield RichLog(id="log", wrap=True, markup=False, max_lines=1000, min_width=1)
             with Vertical(id="side"):
                 yield Static(id="state")
-                yield Static(panels.meter(0.0), id="level")
+                yield Static(meter(0.0), id="level")
                 yield Static(id="voice", markup=False)
-                yield Static(panels.latencies(()), id="turns")
+                yield Static(latencies(()), id="turns")
                 yield Static(id="machine")
                 yield Static(id="unread")
         yield Input(placeholder="Type a message, or /help", id="line")
@@ -113,9 +186,9 @@ class Face(App[None]):
             transcript.write(_styled(line))
         self._show_log(news.log_lines)
         self._static("status", news.status)
-        self._static("state", panels.state_text(news.state, muted=news.muted))
-        self._static("level", panels.meter(0.0 if news.muted else news.level))
-        self._static("turns", panels.latencies(news.turns))
+        self._static("state", state_text(news.state, muted=news.muted))
+        self._static("level", meter(0.0 if news.muted else news.level))
+        self._static("turns", latencies(news.turns))
         self._show_voice(news)
 
     def on_input_submitted(self, event: Input.Submitted) -> None:
@@ -182,7 +255,7 @@ class Face(App[None]):
         self._unread.extend(lines)
         while log.display and self._unread:
             log.write(Text.from_ansi(self._unread.popleft()))
-        self._static("unread", panels.unread(len(self._unread)))
+        self._static("unread", unread(len(self._unread)))
 
     def _show_voice(self, news: ScreenUpdate) -> None:
         self._muted = news.muted
@@ -195,7 +268,7 @@ class Face(App[None]):
 
     def _ask_machine(self) -> Worker[None]:
         def ask() -> None:
-            answer = panels.machine(self._queries["model_info"](), self._queries["hardware_info"]())
+            answer = machine(self._queries["model_info"](), self._queries["hardware_info"]())
             self.call_from_thread(lambda: self._static("machine", answer))
 
         return self.run_worker(ask, thread=True, exclusive=True, group="machine")
@@ -207,3 +280,58 @@ class Face(App[None]):
 def _styled(line: str) -> Text:
     """Return the line; a question of the user is bold."""
     return Text(line, style="bold" if line.startswith(">") else "")
+
+
+@contextmanager
+def stderr_as_lines(write: Callable[[str], None]) -> Iterator[None]:
+    """While entered, lines that are written to stderr go to `write`, on a thread of its own.
+
+    Textual draws on ``sys.__stderr__``, which stays the terminal.
+    """
+    terminal, original = os.dup(2), sys.__stderr__
+    reading, writing = os.pipe()
+    os.dup2(writing, 2)
+    os.close(writing)
+    sys.__stderr__ = os.fdopen(os.dup(terminal), "w", encoding="utf-8")  # type: ignore[misc]
+
+    def carry() -> None:
+        with os.fdopen(reading, encoding="utf-8", errors="replace") as lines:
+            for line in lines:
+                write(line.rstrip())
+
+    thread = threading.Thread(target=carry, name="edgevox-stderr")
+    thread.start()
+    try:
+        yield
+    finally:
+        os.dup2(terminal, 2)  # the last way into the pipe is gone with this
+        os.close(terminal)
+        thread.join()
+        sys.__stderr__.close()
+        sys.__stderr__ = original  # type: ignore[misc]
+
+
+COLUMNS = 46
+"""The width of a map beside the panel on a screen of 80 columns."""
+
+
+def run_tui(parts: AgentParts, shutdown: ShutdownSignals, typed: Sequence[str] = ()) -> None:
+    """Serve the person at the terminal until they leave, or a signal says so.
+
+    What was `typed` before it was drawn is done first.
+    """
+    updates = UpdateBuffer(parts.bus, parts.controls)
+    for note in parts.notes:
+        updates.write(note)
+    context = SlashContext(parts.conversation, parts.body, columns=COLUMNS, skills=parts.skills)
+    face = Face(
+        updates, context, parts.queries, parts.command_router.submit, SystemClock(), typed=typed
+    )
+    shutdown.gently = face.leave_soon
+    try:
+        with stderr_as_lines(updates.log):
+            face.run()
+    finally:
+        shutdown.gently = None
+        updates.changed = lambda: None
+        updates.close()
