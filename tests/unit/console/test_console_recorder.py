@@ -22,8 +22,8 @@ from waiting import wait_until
 
 from edgevox.apps.console import robot_recorder
 from edgevox.apps.console.robot_recorder import NoRecorder, RobotRecorder, open_recorder
+from edgevox.console.page_files import PAGE
 from edgevox.console.sessions import Role
-from edgevox.console.site import PAGE
 from edgevox.core.errors import EdgeVoxError
 from edgevox.core.languages import LANGUAGES
 from edgevox.core.settings import load_settings
