@@ -102,6 +102,19 @@ def test_a_command_runs_with_ros_2_edgevox_and_the_interfaces_at_hand(unstarted:
     assert "<module 'rclpy'" in ran.stdout
 
 
+def test_what_it_keeps_goes_to_another_one(unstarted: Stack):
+    script = """
+    set -e
+    echo 'places: {}' >/places/robot-apartment.yaml
+    edgevox state export - >/tmp/robot.tar
+    rm /places/robot-apartment.yaml
+    edgevox state import - </tmp/robot.tar >&2
+    cat /places/robot-apartment.yaml
+    """
+    ran = unstarted.call("run", "--rm", "-T", SERVICE, "bash", "-c", script, timeout=HUNG_S)
+    assert (ran.returncode, ran.stdout) == (0, "places: {}\n"), ran.stderr
+
+
 @pytest.mark.long
 def test_the_doctor_finds_no_fault_in_the_container(unstarted: Stack):
     ran = unstarted.call("run", "--rm", "-T", SERVICE, "edgevox", "doctor", timeout=HUNG_S)
