@@ -17,7 +17,7 @@ from edgevox.voice.listener import Listener
 from edgevox.voice.stop.detector import StopDetector
 from edgevox.voice.stt.speech_to_text import SpeechToText
 from edgevox.voice.vad import open_vad
-from edgevox.voice.wake.wakeword import WakeDetector
+from edgevox.voice.word_detection import WakeDetector
 
 SILENT_AFTER_S = 0.1
 AHEAD_S = 0.1

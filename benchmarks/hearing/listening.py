@@ -19,7 +19,7 @@ from edgevox.voice.stop.network import ENCODER
 from edgevox.voice.stop.spotter import open_stop_spotter
 from edgevox.voice.stt.speech_to_text import SpeechToText, Transcript
 from edgevox.voice.vad import open_vad
-from edgevox.voice.wake.wakeword import WakeDetector
+from edgevox.voice.word_detection import WakeDetector
 
 
 @dataclass(frozen=True, slots=True)

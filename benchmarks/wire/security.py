@@ -23,7 +23,7 @@ from std_msgs.msg import String
 from benchmarks import ROOT
 from benchmarks.core.figures import Figure, Measured, NotHere
 from benchmarks.core.talker import isolate
-from edgevox.apps.doctor.check import probe_apart
+from edgevox.core.probe import probe_apart
 
 TABLE = "A round trip over ROS 2, with DDS security and without"
 SIZES = {100: "100 bytes", 4_000: "4 kB", 32_000: "32 kB"}

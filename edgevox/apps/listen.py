@@ -69,9 +69,7 @@ def listen(
     """
     from edgevox.apps.agent.voice import open_hearing, open_stop_detector, open_wakeword
     from edgevox.core.bus import Bus
-    from edgevox.core.events import WakeWordHeard
     from edgevox.voice.listener import Listener
-    from edgevox.voice.noise_floor import HearingMeter
     from edgevox.voice.sources.open_source import WavFiles, open_source
     from edgevox.voice.sources.pushed import Pushed
     from edgevox.voice.vad import open_vad

@@ -12,7 +12,6 @@ from collections.abc import Callable
 from types import FrameType, TracebackType
 
 from edgevox import __version__
-from edgevox.apps.dds_security import secure_process
 from edgevox.apps.streams import show
 from edgevox.core.errors import EdgeVoxError, InvalidValue
 from edgevox.core.log import get_logger
@@ -21,6 +20,7 @@ from edgevox.core.settings import Settings
 from edgevox.models import ModelMissing
 from edgevox.ops.logs import set_up, tear_down, writes_json
 from edgevox.ops.machine import return_memory
+from edgevox.security.startup import secure_process
 
 log = get_logger(__name__)
 

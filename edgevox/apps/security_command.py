@@ -14,12 +14,12 @@ from typing import TYPE_CHECKING
 import yaml
 
 from edgevox import __version__
-from edgevox.apps.dds_security import domain_of
 from edgevox.apps.run_program import run_program
 from edgevox.apps.streams import show, with_streams
 from edgevox.core.errors import EdgeVoxError, InvalidValue, install_extra
 from edgevox.core.settings import check_settings
 from edgevox.security.documents import LAST_DOMAIN
+from edgevox.security.startup import domain_of
 
 if TYPE_CHECKING:
     from edgevox.security.keystore import Keystore

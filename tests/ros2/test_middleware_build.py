@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from edgevox.apps.doctor.check import probe_apart
+from edgevox.core.probe import probe_apart
 from edgevox.ros2.doctor import middleware_build
 
 PROBE = f"{middleware_build.__module__}:{middleware_build.__name__}"

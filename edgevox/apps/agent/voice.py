@@ -44,7 +44,7 @@ from edgevox.voice.stt.speech_to_text import SpeechToText, WatchedSpeechToText
 from edgevox.voice.stt.whisper import Whisper
 from edgevox.voice.tts.voices import VoicePool
 from edgevox.voice.vad import open_vad
-from edgevox.voice.wake.wakeword import WakeDetector
+from edgevox.voice.word_detection import WakeDetector
 
 log = get_logger(__name__)
 

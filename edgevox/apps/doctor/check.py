@@ -1,15 +1,11 @@
 """A check of the doctor, its verdict, and the run of all checks side by side, whatever fails."""
 
-import json
-import signal
-import subprocess
-import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from typing import Any
 
-from edgevox.core.errors import EdgeVoxError
+from edgevox.core.probe import ProbeFailed, probe_apart
 from edgevox.core.settings import Settings
 from edgevox.core.status import Level
 
@@ -87,14 +83,7 @@ class CheckAnswer:
     verdict: CheckVerdict
 
 
-PROBE_S = 60.0
-"""A probe that takes longer hangs."""
 AT_ONCE = 4
-_LAST = 300
-
-
-class ProbeFailed(EdgeVoxError):
-    """A probe in a process of its own came to no end, or to a bad one."""
 
 
 def ask(checks: Sequence[Check], situation: Situation) -> list[CheckAnswer]:
@@ -107,37 +96,6 @@ def ask(checks: Sequence[Check], situation: Situation) -> list[CheckAnswer]:
         for check in checks
         for one in _unless_needed_is_missing(check, found[check.name], found)
     ]
-
-
-def probe_apart(
-    address: str,
-    *arguments: str,
-    environment: Mapping[str, str] | None = None,
-    timeout_s: float = PROBE_S,
-) -> Facts:
-    """Run a probe in its own process, in this environment or another; return its facts.
-
-    Raises `ProbeFailed`.
-    """
-    command = [sys.executable, "-P", "-m", "edgevox.apps.doctor.child", address, *arguments]
-    try:
-        done = subprocess.run(
-            command,
-            stdin=subprocess.DEVNULL,
-            capture_output=True,
-            env=environment,
-            timeout=timeout_s,
-            check=False,
-        )
-    except subprocess.TimeoutExpired:
-        raise ProbeFailed(f"it hangs: no answer within {timeout_s:g} s") from None
-    if done.returncode < 0:
-        name = signal.Signals(-done.returncode).name
-        raise ProbeFailed(f"it ended the process with {name}{_last_line(done.stderr)}")
-    if done.returncode:
-        raise ProbeFailed(f"it failed{_last_line(done.stderr)}")
-    facts: Facts = json.loads(done.stdout.splitlines()[-1])
-    return facts
 
 
 def _verdicts(check: Check, situation: Situation) -> Sequence[CheckVerdict]:
@@ -164,8 +122,3 @@ def _unless_needed_is_missing(
 
 def _unusable(said: Iterable[CheckVerdict]) -> bool:
     return any(one.level in (Level.ERROR, Level.STALE) for one in said)
-
-
-def _last_line(output: bytes) -> str:
-    lines = output.decode(errors="replace").strip().splitlines()
-    return f": {lines[-1][:_LAST]}" if lines else ""

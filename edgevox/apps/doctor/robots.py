@@ -12,20 +12,12 @@ from edgevox.agent.policy.file import PolicyFile, read_policy_file
 from edgevox.agent.policy.policy import local_time
 from edgevox.agent.policy.status import NO_FILE, unknown_names
 from edgevox.apps.agent.policy import known_names, policy_context
-from edgevox.apps.doctor.check import (
-    CheckVerdict,
-    Facts,
-    Situation,
-    error,
-    ok,
-    probe_apart,
-    skipped,
-    warning,
-)
+from edgevox.apps.doctor.check import CheckVerdict, Facts, Situation, error, ok, skipped, warning
 from edgevox.apps.doctor.security import NOT_WITH_SECURITY, is_secured
 from edgevox.apps.plugins import Plugins, bring_plugins
 from edgevox.apps.robots import ROBOTS, build_body
 from edgevox.core.errors import EdgeVoxError, InvalidValue
+from edgevox.core.probe import probe_apart
 from edgevox.core.settings import Settings, check_settings
 from edgevox.robots.plugin import fault_of_robot, foreign_robot_points
 from edgevox.robots.skill_packages import chosen_skills, fault_of, installed_skills, left_out

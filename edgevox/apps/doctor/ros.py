@@ -14,19 +14,11 @@ from pathlib import Path
 
 from edgevox.apps.container.environment import ENVIRONMENT
 from edgevox.apps.container.peers import PEERS, SERVERS, addresses, server_names
-from edgevox.apps.doctor.check import (
-    CheckVerdict,
-    Facts,
-    Situation,
-    error,
-    ok,
-    probe_apart,
-    skipped,
-    warning,
-)
+from edgevox.apps.doctor.check import CheckVerdict, Facts, Situation, error, ok, skipped, warning
 from edgevox.apps.doctor.security import NOT_WITH_SECURITY, is_secured
 from edgevox.core.errors import install_extra
 from edgevox.core.files.user_file import size_bytes
+from edgevox.core.probe import probe_apart
 from edgevox.ops.machine import MIB
 
 DOMAIN, RANGE = "ROS_DOMAIN_ID", "ROS_AUTOMATIC_DISCOVERY_RANGE"

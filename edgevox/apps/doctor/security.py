@@ -4,7 +4,10 @@ from collections.abc import Mapping
 from datetime import UTC, datetime
 from typing import Any
 
-from edgevox.apps.dds_security import (
+from edgevox.apps.doctor.check import CheckVerdict, Facts, Situation, error, ok, warning
+from edgevox.core.errors import InvalidValue
+from edgevox.core.probe import probe_apart
+from edgevox.security.startup import (
     ENABLE,
     KEYSTORE,
     NO_SECURITY,
@@ -14,16 +17,6 @@ from edgevox.apps.dds_security import (
     domain_of,
     read_enclave,
 )
-from edgevox.apps.doctor.check import (
-    CheckVerdict,
-    Facts,
-    Situation,
-    error,
-    ok,
-    probe_apart,
-    warning,
-)
-from edgevox.core.errors import InvalidValue
 
 NAMESPACE = "EDGEVOX_AGENT_NAMESPACE"
 AGENT = "edgevox-agent"

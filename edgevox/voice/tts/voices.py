@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 
 from edgevox.core.errors import EdgeVoxError, InvalidValue
 from edgevox.core.languages import LANGUAGES, Language, Voice
-from edgevox.voice.tts.espeak import COMMAND
+from edgevox.voice.tts.espeak import COMMAND, EspeakSynthesiser, open_espeak
 from edgevox.voice.tts.synthesiser import Synthesiser
 
 PACKAGES = {
@@ -180,8 +180,6 @@ class VoicePool:
 
                 return KokoroSynthesiser(self._kokoro(model), load_style(voices, choice.voice.key))
             case _:
-                from edgevox.voice.tts.espeak import EspeakSynthesiser, open_espeak
-
                 return EspeakSynthesiser(open_espeak(), choice.voice.key)
 
     def _kokoro(self, path: Path) -> "KokoroModel":

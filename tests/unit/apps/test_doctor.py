@@ -8,19 +8,10 @@ from doctor_rig import ERROR, OK, SKIPPED, WARNING, situation
 
 from edgevox.apps import edgevox
 from edgevox.apps.doctor import check
-from edgevox.apps.doctor.check import (
-    Check,
-    CheckAnswer,
-    CheckVerdict,
-    ProbeFailed,
-    ask,
-    error,
-    ok,
-    probe_apart,
-    warning,
-)
+from edgevox.apps.doctor.check import Check, CheckAnswer, CheckVerdict, ask, error, ok, warning
 from edgevox.apps.doctor.checks import CHECKS
 from edgevox.apps.doctor.command import as_json, print_table, worst
+from edgevox.core.probe import ProbeFailed, probe_apart
 
 HERE = "doctor_probes"
 

@@ -7,7 +7,7 @@ from datetime import UTC, datetime
 import pytest
 from enclaves_rig import DAY, NOW, YEAR, certificate, make_enclave
 
-from edgevox.apps.dds_security import NEEDED, certificate_period, enclaves_of, read_enclave
+from edgevox.security.startup import NEEDED, certificate_period, enclaves_of, read_enclave
 
 LONG_AGO = datetime(2001, 2, 3, 4, 5, 6, tzinfo=UTC)
 

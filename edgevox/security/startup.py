@@ -14,9 +14,9 @@ from dataclasses import dataclass
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
 
-from edgevox.apps.doctor.check import ProbeFailed, probe_apart
 from edgevox.core.errors import InvalidValue
 from edgevox.core.files.user_file import LARGEST_TEXT_BYTES, size_bytes
+from edgevox.core.probe import ProbeFailed, probe_apart
 from edgevox.core.settings import Settings
 from edgevox.ros2.contract import NODE_NAME, RECORDER_NODE
 from edgevox.security.documents import LAST_DOMAIN

@@ -7,11 +7,11 @@ import sys
 import pytest
 from enclaves_rig import DAY, NOW, make_enclave
 
-from edgevox.apps import dds_security
-from edgevox.apps.dds_security import secured
-from edgevox.apps.doctor.check import ProbeFailed
 from edgevox.core.errors import InvalidValue
+from edgevox.core.probe import ProbeFailed
 from edgevox.ros2.doctor import judged_by
+from edgevox.security import startup
+from edgevox.security.startup import secured
 
 BUILT = {"middleware": "rmw_fastrtps_cpp", "security": True, "bundled_openssl": "", "taken": True}
 ROBOT = {"EDGEVOX_AGENT_NAMESPACE": "/robot1"}
@@ -21,7 +21,7 @@ BY_HAND = {"ROS_SECURITY_ENABLE": "true", "ROS_SECURITY_STRATEGY": "Enforce"}
 @pytest.fixture
 def keystore(tmp_path, monkeypatch):
     """One with an enclave of the robot, on a middleware that has security."""
-    monkeypatch.setattr(dds_security, "probe_apart", lambda *_, **__: BUILT)
+    monkeypatch.setattr(startup, "probe_apart", lambda *_, **__: BUILT)
     made = tmp_path / "keystore"
     make_enclave(made)
     return made
@@ -39,7 +39,7 @@ def _refused(environment):
 
 
 def test_unless_it_is_asked_for_nothing_is_looked_at_or_set(monkeypatch):
-    monkeypatch.setattr(dds_security, "probe_apart", pytest.fail)
+    monkeypatch.setattr(startup, "probe_apart", pytest.fail)
     for given in ({"A": "b"}, {"ROS_SECURITY_ENABLE": "false"}, {"ROS_SECURITY_KEYSTORE": "/x"}):
         assert secured(given, "edgevox-agent", pytest.fail) == given
     empty = {"EDGEVOX_SECURITY_KEYSTORE": "", "EDGEVOX_SECURITY_ENCLAVE": ""}
@@ -162,7 +162,7 @@ def test_an_enclave_that_the_middleware_does_not_take_is_refused(keystore, monke
         asked.append(environment)
         return BUILT | {"taken": False}
 
-    monkeypatch.setattr(dds_security, "probe_apart", probe)
+    monkeypatch.setattr(startup, "probe_apart", probe)
     said = _refused({**ROBOT, "EDGEVOX_SECURITY_KEYSTORE": str(keystore), "ROS_DOMAIN_ID": "0"})
     assert said.startswith("EDGEVOX_SECURITY_ENCLAVE: got '/robot1/edgevox', expected a good one")
     assert "as they were signed" in said
@@ -182,7 +182,7 @@ def test_without_security_in_the_middleware_nothing_starts(keystore, monkeypatch
             raise ProbeFailed("it hangs: no answer within 60 s")
         return facts
 
-    monkeypatch.setattr(dds_security, "probe_apart", probe)
+    monkeypatch.setattr(startup, "probe_apart", probe)
     said = _refused({**ROBOT, "EDGEVOX_SECURITY_KEYSTORE": str(keystore)})
     assert said.startswith("EDGEVOX_SECURITY_KEYSTORE: got ")
     assert "expected a middleware" in said
