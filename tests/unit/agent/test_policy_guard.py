@@ -167,6 +167,16 @@ def test_what_needs_a_yes_is_a_question_only_where_somebody_can_answer(file, way
     assert code(Guard(file), way) == ("needs_confirmation" if asks else "needs_a_person")
 
 
+def test_a_call_that_needs_a_yes_is_a_refusal_where_its_caller_cannot_ask(file):
+    bus, told = Bus(), []
+    bus.subscribe(GoalRejected, lambda event: told.append(event.reason.code))
+    file.write_text(CONFIRM)
+    guard = Guard(file, bus)
+    assert code(guard) == "needs_confirmation"
+    assert guard.refusals == {("voice", "needs_confirmation"): 1}
+    assert told == ["needs_confirmation"]
+
+
 def test_a_refusal_is_counted_by_way_and_code_and_told_as_a_rejected_goal(file):
     bus, told = Bus(), []
     bus.subscribe(GoalRejected, lambda event: told.append(as_json(event)))
