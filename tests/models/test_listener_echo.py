@@ -52,6 +52,7 @@ def mixed(echo, person_level):
     return heard
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("gain_db", ROOMS_DB)
 @pytest.mark.parametrize("delay_s", [0.02, 0.15])
 def test_the_robot_does_not_hear_itself(answer, gain_db, delay_s):

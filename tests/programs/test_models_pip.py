@@ -21,6 +21,8 @@ from edgevox.models.fetch import network
 from edgevox.models.manifest import HubSource
 from edgevox.models.sources.hub import Hub
 
+pytestmark = pytest.mark.long
+
 HUB = {"kind": "hub", "repo": "us/voices"}
 
 

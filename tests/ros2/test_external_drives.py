@@ -231,6 +231,7 @@ def test_a_camera_is_heard_and_its_pictures_are_for_whoever_looks(rig, control):
     assert robot.newest_picture() is None
 
 
+@pytest.mark.long
 def test_odometry_is_taken_for_the_map_where_no_transform_says_better(rig, caplog):
     robot = rig()
     drive(robot, 0.3, 0.0).result()
@@ -289,6 +290,7 @@ def test_a_halt_cancels_the_goals_of_an_action_that_somebody_else_sent(rig, cont
         nav2.there(server.destroy)
 
 
+@pytest.mark.long
 def test_robots_in_other_namespaces_are_left_alone(rig, control):
     one = rig(namespace="/robot1")
     two = rig(*TAKES_GOALS, namespace="/robot2")
@@ -341,6 +343,7 @@ def test_a_robot_that_takes_goals_but_does_not_go_fails_with_a_reason(rig, contr
         drive(robot, 2.0, 0.0).result()
 
 
+@pytest.mark.long
 def test_something_in_the_way_is_waited_for_and_then_given_up(rig, control):
     robot = rig("--scan")
     scans = hear(control, LaserScan, "/robot1/scan", SENSOR)
@@ -355,6 +358,7 @@ def test_something_in_the_way_is_waited_for_and_then_given_up(rig, control):
     drive(robot, 0.5, 0.0).result()
 
 
+@pytest.mark.long
 def test_goals_are_compared_in_the_map_where_transforms_join_it_to_odometry(rig):
     robot = rig(*MAPPED, "--frame-prefix", "robot1/")
     wait_until(lambda: robot.state()["frame"] == "map", "the transform")
@@ -365,6 +369,7 @@ def test_goals_are_compared_in_the_map_where_transforms_join_it_to_odometry(rig)
     assert distance(robot, 1.5, 1.3) < 0.12
 
 
+@pytest.mark.long
 def test_goals_are_sent_in_the_map_where_there_is_one(rig):
     robot = rig(*MAPPED, "--takes-goals")
     wait_until(lambda: robot.state()["frame"] == "map", "the transform")
