@@ -16,7 +16,7 @@ from edgevox.robots.command_mux import STILL, CommandMux
 from edgevox.robots.motion import Motion, Progress
 from edgevox.ros2.external.inputs import SensorInputs
 from edgevox.ros2.external.motion import GoalTopicBackend, PoseEstimate, VelocityPublisher
-from edgevox.ros2.external.navigation import ExternalNavigation
+from edgevox.ros2.external.navigation import ExternalMotion
 
 log = get_logger(__name__)
 
@@ -54,13 +54,13 @@ class ControlLoop:
         clock: Clock,
         obey_s: float,
     ) -> None:
-        self.mux: CommandMux[ExternalNavigation] = CommandMux(lock, on_halt=self._stand)
+        self.mux: CommandMux[ExternalMotion] = CommandMux(lock, on_halt=self._stand)
         self.hold = ZeroVelocity(clock.now())
         self.hold.end()
         self._senses, self._wheels, self._goals = senses, wheels, goals
         self._clock, self._obey_s = clock, obey_s
 
-    def start(self, drive: ExternalNavigation, estimate: PoseEstimate) -> None:
+    def start(self, drive: ExternalMotion, estimate: PoseEstimate) -> None:
         """Drive from now on. What takes goals drops the old one for the new one by itself.
 
         Where a backend raises, the drive has ended with that and the robot is held.
@@ -68,10 +68,10 @@ class ControlLoop:
         before = self.mux.motion
         self.mux.start(lambda: drive)
         try:
-            if before is not None and before.backend is not drive.backend:
-                before.backend.cancel(estimate)
+            if before is not None and not drive.replaces(before):
+                before.cancel(estimate)
             self.hold.end()
-            drive.backend.begin(drive.target, estimate)
+            drive.begin(estimate)
         except Exception as error:
             self.mux.halt(error)
             raise
@@ -88,7 +88,7 @@ class ControlLoop:
         elif not self.hold.done:
             self._hold_on(self.hold, now_s)
 
-    def _go_on(self, drive: ExternalNavigation, now_s: float) -> None:
+    def _go_on(self, drive: ExternalMotion, now_s: float) -> None:
         estimate = self._senses.estimate()
         try:
             if estimate is None:
@@ -97,13 +97,13 @@ class ControlLoop:
         except SkillFailed as failure:
             self.mux.halt(failure)
 
-    def _stand(self, drive: ExternalNavigation | None, _error: BaseException) -> None:
+    def _stand(self, drive: ExternalMotion | None, _error: BaseException) -> None:
         """Zero velocity at once, and until the robot is seen to stand."""
         estimate, now_s = self._senses.estimate(), self._clock.now()
         held = not self.hold.done
         self._wheels.turn(STILL)
         if drive is not None:
-            drive.backend.cancel(estimate)
+            drive.cancel(estimate)
         else:
             moving = not self._senses.odometry_history.still()
             self._goals.recall(estimate if moving and not held else None)

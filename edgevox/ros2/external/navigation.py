@@ -1,5 +1,6 @@
 """A drive to a target, from start to end, and the check of localisation that guards it."""
 
+from abc import abstractmethod
 from typing import Any
 
 from edgevox.agent.skills import SkillFailed
@@ -55,8 +56,44 @@ _NEARER_M = 0.1
 _MOVED_M, _TURNED_RAD = 0.1, 0.35
 
 
-class ExternalNavigation(Motion):
-    """A motion of a robot that is moved by others: the backend's, as far as it is heard."""
+class ExternalMotion(Motion):
+    """A motion of a robot that is moved by others, as far as it is heard.
+
+    The body's lock is held for all of its methods.
+    """
+
+    by: str
+    """The means that drives it."""
+    target: Target
+
+    def begin(self, estimate: PoseEstimate) -> None:
+        """Set it going."""
+
+    def cancel(self, estimate: PoseEstimate | None) -> None:
+        """Forget the target. The body holds zero velocity beside this."""
+
+    def replaces(self, before: "ExternalMotion") -> bool:  # noqa: ARG002 - most do not
+        """Whether to begin it makes the one before end by itself."""
+        return False
+
+    @abstractmethod
+    def tick(self, now_s: float, estimate: PoseEstimate) -> None:
+        """Go on; ends on arrival. Raises `SkillFailed` where it cannot."""
+
+    def describe(self) -> dict[str, Any]:
+        """The goal, JSON-ready, for `robot_state`."""
+        progress = self.progress()
+        return {
+            "x": round(self.target.x_m, 3),
+            "y": round(self.target.y_m, 3),
+            "progress": round(progress.part, 3),
+            "distance": round(progress.left, 3) if progress.unit == "m" else 0.0,
+            "by": self.by,
+        }
+
+
+class ExternalNavigation(ExternalMotion):
+    """A drive to a target: the backend's."""
 
     def __init__(
         self,
@@ -67,12 +104,22 @@ class ExternalNavigation(Motion):
         now_s: float,
     ) -> None:
         super().__init__()
-        self.target = target
+        self.target, self.by = target, backend.name
         self.backend = backend
         self._whole_m = max(target.distance_m(estimate.pose), 1e-6)
         self._left_m = self._whole_m
         self._trust = trust
         self._watch = ProgressWatch(backend.patience, estimate.pose, self._whole_m, now_s)
+
+    def begin(self, estimate: PoseEstimate) -> None:
+        self.backend.begin(self.target, estimate)
+
+    def cancel(self, estimate: PoseEstimate | None) -> None:
+        self.backend.cancel(estimate)
+
+    def replaces(self, before: ExternalMotion) -> bool:
+        """A backend drops its old target for a new one by itself."""
+        return isinstance(before, ExternalNavigation) and before.backend is self.backend
 
     def tick(self, now_s: float, estimate: PoseEstimate) -> None:
         """Go on; ends on arrival.
@@ -91,17 +138,6 @@ class ExternalNavigation(Motion):
         """Return the progress of the drive."""
         part = 1.0 - self._left_m / self._whole_m
         return Progress(min(max(part, 0.0), 1.0), self._left_m, "m")
-
-    def describe(self) -> dict[str, Any]:
-        """The goal, JSON-ready, for `robot_state`."""
-        progress = self.progress()
-        return {
-            "x": round(self.target.x_m, 3),
-            "y": round(self.target.y_m, 3),
-            "progress": round(progress.part, 3),
-            "distance": round(progress.left, 3),
-            "by": self.backend.name,
-        }
 
 
 class ProgressWatch:
