@@ -159,6 +159,7 @@ def test_a_bound_is_no_value(code: str) -> None:
         ("apartment", "go to the kitchen and wash the dishes"),
         ("apartment", "remember the point x 7 y 2 as den"),
         ("apartment", "light up the kitchen"),
+        ("apartment", "grab the cup on the left of the plate"),
     ],
 )
 def test_what_no_value_took_leaves_no_order(robot: str, text: str) -> None:
