@@ -8,6 +8,7 @@ from concurrent.futures import ThreadPoolExecutor
 import phrases
 import pytest
 from external_rig import (
+    Drive,
     Goal,
     Velocities,
     drive,
@@ -26,6 +27,7 @@ from waiting import wait_until
 
 from edgevox.agent.skills import SkillFailed
 from edgevox.core.cancel import Cancelled
+from edgevox.core.transforms import Pose2D, rotate
 from edgevox.robots.capabilities import Twist2D
 from edgevox.ros2.external.locations import Location
 from edgevox.ros2.external.robot import ExternalRobot
@@ -356,6 +358,62 @@ def test_something_in_the_way_is_waited_for_and_then_given_up(rig, control):
     assert robot.pose().x_m < 0.2
     control.send("do", "wall")
     drive(robot, 0.5, 0.0).result()
+
+
+@pytest.mark.parametrize(
+    ("frame", "arguments"),
+    [("odom", ("--scan",)), ("map", ("--scan", *TAKES_GOALS, *MAPPED))],
+)
+def test_it_goes_by_a_distance_and_an_angle_where_its_lidar_sees(rig, control, frame, arguments):
+    robot = rig(*arguments)
+    wait_until(lambda: robot.state()["lidar"] and robot.state()["frame"] == frame, "its senses")
+    start = robot.pose()
+
+    straight = by(robot.drive_straight, 0.6)
+    moving(robot)
+    assert robot.state()["goal"]["by"] == "cmd_vel"
+    straight.result()
+    ahead, aside = seen_from(start, robot.pose())
+    assert (ahead, aside) == pytest.approx((0.6, 0.0), abs=0.05)
+    assert straight.reports[-1]["unit"] == "m"
+
+    by(robot.turn, -math.pi / 2).result()
+    turned = math.remainder(robot.pose().yaw_rad - start.yaw_rad, math.tau)
+    assert turned == pytest.approx(-math.pi / 2, abs=0.08)
+
+    with pytest.raises(SkillFailed, check=phrases.because("blind_behind")):
+        by(robot.drive_straight, -0.5).result()
+    scans = hear(control, LaserScan, "/robot1/scan", SENSOR)
+    control.send("do", "wall 0.4")
+    wall = scans.wait_for(lambda scan: min(scan.ranges) < 1)
+    wait_until(lambda: robot.time_s > to_ns(wall.header.stamp) / NS_PER_S + 0.2, "the wall")
+    with pytest.raises(SkillFailed, check=phrases.because("in_my_way")):
+        by(robot.drive_straight, 0.5).result()
+
+
+def by(move, amount: float) -> Drive:
+    return Drive(lambda token, report: move(amount, token=token, report=report))
+
+
+def seen_from(start: Pose2D, pose: Pose2D) -> tuple[float, float]:
+    return rotate(pose.x_m - start.x_m, pose.y_m - start.y_m, -start.yaw_rad)
+
+
+def test_a_stop_ends_a_straight_drive_and_stands_the_robot(rig):
+    robot = rig()
+    going = by(robot.drive_straight, 5.0)
+    moving(robot)
+    assert robot.halt("a test") is True
+    with pytest.raises(Cancelled, match="a test"):
+        going.result()
+    standing(robot, 3.0)
+    assert robot.pose().x_m < 4.0
+
+
+def test_what_drives_by_goals_goes_straight_only_where_a_lidar_sees(rig):
+    robot = rig(*TAKES_GOALS)
+    with pytest.raises(SkillFailed, check=phrases.because("blind_ahead")):
+        by(robot.drive_straight, 0.5).result()
 
 
 @pytest.mark.long

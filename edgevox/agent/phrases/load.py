@@ -117,7 +117,8 @@ def _programs(data: Mapping[str, Any]) -> ProgramPhrases:
 def skill_entries(table: Mapping[str, Mapping[str, Any]]) -> dict[str, SkillPhrases]:
     """The phrases of skills, from a table `skills`.
 
-    An entry that is `like` another takes the keys that it lacks from that one.
+    An entry that is `like` another takes the keys that it lacks from that one, and has `more`
+    templates beside those.
     """
     return {
         name: _skill_phrases({**table.get(one.get("like", ""), {}), **one})
@@ -130,7 +131,7 @@ def _skill_phrases(data: Mapping[str, Any]) -> SkillPhrases:
     return SkillPhrases(
         can=data.get("can", ""),
         actions=_several(data.get("action", ())),
-        templates=tuple(data.get("templates", ())),
+        templates=(*data.get("templates", ()), *data.get("more", ())),
         says=_several(data.get("says", ())),
         done=_several(data.get("done", ())),
         examples=tuple(Example(one.pop("sentence"), one) for one in examples),

@@ -5,6 +5,7 @@ the loop and from a drive that steers, never from both, and none leaves while th
 itself.
 """
 
+from abc import abstractmethod
 from contextlib import AbstractContextManager
 from typing import Any
 
@@ -71,8 +72,44 @@ _NEARER_M = 0.1
 _MOVED_M, _TURNED_RAD = 0.1, 0.35
 
 
-class ExternalNavigation(Motion):
-    """A motion of a robot that is moved by others: the backend's, as far as it is heard."""
+class ExternalMotion(Motion):
+    """A motion of a robot that is moved by others, as far as it is heard.
+
+    The body's lock is held for all of its methods.
+    """
+
+    by: str
+    """The means that drives it."""
+    target: Target
+
+    def begin(self, estimate: PoseEstimate) -> None:
+        """Set it going."""
+
+    def cancel(self, estimate: PoseEstimate | None) -> None:
+        """Forget the target. The body holds zero velocity beside this."""
+
+    def replaces(self, before: "ExternalMotion") -> bool:  # noqa: ARG002 - most do not
+        """Whether to begin it makes the one before end by itself."""
+        return False
+
+    @abstractmethod
+    def tick(self, now_s: float, estimate: PoseEstimate) -> None:
+        """Go on; ends on arrival. Raises `SkillFailed` where it cannot."""
+
+    def describe(self) -> dict[str, Any]:
+        """The goal, JSON-ready, for `robot_state`."""
+        progress = self.progress()
+        return {
+            "x": round(self.target.x_m, 3),
+            "y": round(self.target.y_m, 3),
+            "progress": round(progress.part, 3),
+            "distance": round(progress.left, 3) if progress.unit == "m" else 0.0,
+            "by": self.by,
+        }
+
+
+class ExternalNavigation(ExternalMotion):
+    """A drive to a target: the backend's."""
 
     def __init__(
         self,
@@ -83,12 +120,22 @@ class ExternalNavigation(Motion):
         now_s: float,
     ) -> None:
         super().__init__()
-        self.target = target
+        self.target, self.by = target, backend.name
         self.backend = backend
         self._whole_m = max(target.distance_m(estimate.pose), 1e-6)
         self._left_m = self._whole_m
         self._trust = trust
         self._watch = ProgressWatch(backend.patience, estimate.pose, self._whole_m, now_s)
+
+    def begin(self, estimate: PoseEstimate) -> None:
+        self.backend.begin(self.target, estimate)
+
+    def cancel(self, estimate: PoseEstimate | None) -> None:
+        self.backend.cancel(estimate)
+
+    def replaces(self, before: ExternalMotion) -> bool:
+        """A backend drops its old target for a new one by itself."""
+        return isinstance(before, ExternalNavigation) and before.backend is self.backend
 
     def tick(self, now_s: float, estimate: PoseEstimate) -> None:
         """Go on; ends on arrival.
@@ -107,17 +154,6 @@ class ExternalNavigation(Motion):
         """Return the progress of the drive."""
         part = 1.0 - self._left_m / self._whole_m
         return Progress(min(max(part, 0.0), 1.0), self._left_m, "m")
-
-    def describe(self) -> dict[str, Any]:
-        """The goal, JSON-ready, for `robot_state`."""
-        progress = self.progress()
-        return {
-            "x": round(self.target.x_m, 3),
-            "y": round(self.target.y_m, 3),
-            "progress": round(progress.part, 3),
-            "distance": round(progress.left, 3),
-            "by": self.backend.name,
-        }
 
 
 class ProgressWatch:
@@ -193,13 +229,13 @@ class ControlLoop:
         clock: Clock,
         obey_s: float,
     ) -> None:
-        self.mux: CommandMux[ExternalNavigation] = CommandMux(lock, on_halt=self._stand)
+        self.mux: CommandMux[ExternalMotion] = CommandMux(lock, on_halt=self._stand)
         self.hold = ZeroVelocity(clock.now())
         self.hold.end()
         self._senses, self._wheels, self._goals = senses, wheels, goals
         self._clock, self._obey_s = clock, obey_s
 
-    def start(self, drive: ExternalNavigation, estimate: PoseEstimate) -> None:
+    def start(self, drive: ExternalMotion, estimate: PoseEstimate) -> None:
         """Drive from now on. What takes goals drops the old one for the new one by itself.
 
         Where a backend raises, the drive has ended with that and the robot is held.
@@ -207,10 +243,10 @@ class ControlLoop:
         before = self.mux.motion
         self.mux.start(lambda: drive)
         try:
-            if before is not None and before.backend is not drive.backend:
-                before.backend.cancel(estimate)
+            if before is not None and not drive.replaces(before):
+                before.cancel(estimate)
             self.hold.end()
-            drive.backend.begin(drive.target, estimate)
+            drive.begin(estimate)
         except Exception as error:
             self.mux.halt(error)
             raise
@@ -227,7 +263,7 @@ class ControlLoop:
         elif not self.hold.done:
             self._hold_on(self.hold, now_s)
 
-    def _go_on(self, drive: ExternalNavigation, now_s: float) -> None:
+    def _go_on(self, drive: ExternalMotion, now_s: float) -> None:
         estimate = self._senses.estimate()
         try:
             if estimate is None:
@@ -236,13 +272,13 @@ class ControlLoop:
         except SkillFailed as failure:
             self.mux.halt(failure)
 
-    def _stand(self, drive: ExternalNavigation | None, _error: BaseException) -> None:
+    def _stand(self, drive: ExternalMotion | None, _error: BaseException) -> None:
         """Zero velocity at once, and until the robot is seen to stand."""
         estimate, now_s = self._senses.estimate(), self._clock.now()
         held = not self.hold.done
         self._wheels.turn(STILL)
         if drive is not None:
-            drive.backend.cancel(estimate)
+            drive.cancel(estimate)
         else:
             moving = not self._senses.odometry_history.still()
             self._goals.recall(estimate if moving and not held else None)

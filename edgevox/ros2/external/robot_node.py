@@ -114,6 +114,10 @@ class RobotNode:
         )
         return next((one for one in self._takers if one.available()), self._steering)
 
+    def recall(self) -> None:
+        """Make what takes goals forget them, whoever sent them."""
+        self._cancel.cancel_all()
+
     def _wait(self, token: CancelToken, condition: Callable[[], bool], until_s: float) -> None:
         token.check()
         while not condition() and self._clock.now() < until_s:
