@@ -11,7 +11,7 @@ from edgevox.agent.agents import Agent, by_name
 from edgevox.agent.llm.chat.calls import HANDOFF, Protocol
 from edgevox.agent.llm.chat.history import History, size_tokens
 from edgevox.agent.llm.language_model import ChatMessage, LanguageModel, ModelBusy, ModelFailed
-from edgevox.agent.nlu.abilities import not_understood
+from edgevox.agent.nlu.abilities import abilities, not_understood
 from edgevox.agent.nlu.decider import Decider, Decision, Readings
 from edgevox.agent.nlu.disfluencies import fluent
 from edgevox.agent.nlu.hearing.hypotheses import is_contested, likeliest
@@ -20,7 +20,7 @@ from edgevox.agent.nlu.hearing.sounds import Phonemes
 from edgevox.agent.nlu.meaning import ASK_FROM, HEARD_FROM, Meaning
 from edgevox.agent.nlu.order_reader import ProgramReader, Unclear
 from edgevox.agent.nlu.orders import Program
-from edgevox.agent.nlu.remainder import may_ask_whether
+from edgevox.agent.nlu.remainder import asks_whether, may_ask_whether
 from edgevox.agent.nlu.templates import Recogniser, RefusedCommand, Understood
 from edgevox.agent.phrases.load import ENGLISH
 from edgevox.agent.phrases.own_names import phrasebook_of
@@ -127,7 +127,7 @@ class Interpreter:
             turn.say(refused.reason, Outcome.REFUSED, detail=refused.detail)
             return None
         if self._model is None:
-            self._say_not_understood(turn)
+            self._say_not_understood(turn, text)
             return None
         return self._ask_model(self._model, said, turn)
 
@@ -278,7 +278,12 @@ class Interpreter:
     def _say_unclear(self, turn: Turn) -> None:
         turn.say(self.phrases.say("program_unclear"), Outcome.NOT_UNDERSTOOD)
 
-    def _say_not_understood(self, turn: Turn) -> None:
+    def _say_not_understood(self, turn: Turn, text: str = "") -> None:
+        """Say that nothing was understood; to "can you ...", that it can do no such thing."""
+        if text and asks_whether(text, self._code):
+            can, detail = abilities(self.phrases, self._every_skill())
+            turn.say(f"{self.phrases.say('no_ability')} {can}".strip(), detail=detail)
+            return
         told, detail = not_understood(self.phrases, self._every_skill())
         turn.say(told, Outcome.NOT_UNDERSTOOD, detail=detail)
 

@@ -9,6 +9,7 @@ from pathlib import Path
 
 from edgevox.agent.agents import Agent
 from edgevox.agent.conversation import Conversation
+from edgevox.agent.dialogue.known import NOTHING_KNOWN
 from edgevox.agent.llm.language_model import LanguageModel, ModelFailed
 from edgevox.agent.llm.prefill import PromptPrefill
 from edgevox.agent.programs.senses import NO_SENSES
@@ -45,6 +46,7 @@ from edgevox.models import ModelMissing
 from edgevox.ops.health import Health
 from edgevox.ops.logs import BusLog
 from edgevox.robots.capabilities import Body, HasPose
+from edgevox.robots.facts import known_of
 from edgevox.robots.program_senses import senses_of
 from edgevox.ros2 import BridgeContext, open_bridge
 
@@ -137,7 +139,7 @@ def build_parts(stack: ExitStack, settings: Settings, body: Body | None) -> Agen
         guard=guard,
         decider=open_decider(),
         phonemes=open_phonemes() if voice else None,
-        pose=body.pose if isinstance(body, HasPose) else None,
+        known=known_of(body) if body else NOTHING_KNOWN,
         senses=senses_of(body) if body else NO_SENSES,
     )
     bus.subscribe(ControlChanged, lambda change: _follow(conversation, change))
