@@ -162,7 +162,7 @@ def _judge(row: Mapping[str, Any], answer: str) -> str:
     if missing:
         return f"lacks {', '.join(missing)}"
     found = [one for one in row.get("lacks", ()) if re.search(one, answer, re.IGNORECASE)]
-    unknown = re.search(r"did not understand|^Sorry|Shall I", answer)
+    unknown = re.search(r"did not understand|Sorry, I do not know|Shall I", answer)
     return f"holds {', '.join(found)}" if found else "no answer" if unknown else ""
 
 

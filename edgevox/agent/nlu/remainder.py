@@ -23,12 +23,6 @@ _AT_AN_END = "."
 """Marks the end of a sentence at which a phrase puts an order off: "depois ."."""
 
 
-def asks_whether(text: str, code: str) -> bool:
-    """True if the words ask about an ability: "can you fly"."""
-    said = f" {plain(text)} "
-    return any(plain(one) in said for one in words_of(code).abilities)
-
-
 def may_ask_whether(calls: Sequence[Call], text: str, code: str) -> bool:
     """True if the words may ask about an ability: "can you walk backwards".
 

@@ -311,6 +311,10 @@ class Phrasebook:
         said = f"{said[:1].upper()}{said[1:]}"
         return said or (self.fallback.report(one, arguments, result) if self.fallback else "")
 
+    def tells(self, one: Skill) -> bool:
+        """True if the success of a call is reported in words."""
+        return bool(one.done or self._phrases(one).done)
+
     def question(self, calls: Sequence[tuple[Skill, Mapping[str, Any]]]) -> str:
         """Asks whether these calls shall be done: "Shall I go to the kitchen?"."""
         actions = [self._action(one, arguments) for one, arguments in calls]
