@@ -11,6 +11,7 @@ from typing import Any, assert_never
 from edgevox.agent import inbox
 from edgevox.agent.agents import Agent, skills_of
 from edgevox.agent.dialogue.asking import Asking, Performer
+from edgevox.agent.dialogue.known import NOTHING_KNOWN, Known
 from edgevox.agent.dialogue.memory import LastDrive
 from edgevox.agent.dialogue.question import OpenQuestion
 from edgevox.agent.dialogue.skills import DialogueSkills
@@ -52,7 +53,6 @@ from edgevox.core.motion.interlock import Interlock
 from edgevox.core.reason import Reason
 from edgevox.core.settings import Confirm
 from edgevox.core.speech import TextToSpeech
-from edgevox.core.transforms import Pose2D
 
 log = get_logger(__name__)
 
@@ -155,7 +155,7 @@ class Conversation:
         guard: Guard | None = None,
         decider: Decider | None = None,
         phonemes: Phonemes | None = None,
-        pose: Callable[[], Pose2D] | None = None,
+        known: Known = NOTHING_KNOWN,
         senses: Senses = NO_SENSES,
         timer: Timer | None = None,
     ) -> None:
@@ -174,14 +174,14 @@ class Conversation:
             guard: The policy, which may forbid any skill except to stop; None allows all.
             decider: Reads orders that no template fits; None leaves those to the model.
             phonemes: Pronunciations, to recognise misheard words by their sounds.
-            pose: Returns the body's pose on the map; None for a body that has none.
+            known: What the body knows of itself and its world, to answer questions.
             senses: The body's senses, for programs with a condition.
             timer: Wakes programs at their time; a timer of its own by default.
         """
         self._bus = bus
         self._clock = clock or SystemClock()
         self._inbox = inbox.Inbox(self._clock)
-        dialogue = DialogueSkills(agents, bus, self._clock, lambda: self.interpreter.phrases, pose)
+        dialogue = DialogueSkills(agents, bus, self._clock, lambda: self.interpreter.phrases, known)
         self.interpreter = interpreter = Interpreter(
             dialogue.agents, bus, self._clock, model, language, decider=decider, phonemes=phonemes
         )

@@ -1,7 +1,9 @@
 """The skill `battery`, of any body that has one."""
 
+import math
+
 from edgevox.agent.skills import GoalHandle, Result, Skill, skill
-from edgevox.robots.capabilities import HasBattery
+from edgevox.robots.capabilities import HasBattery, KnowsPowerDraw
 
 
 def battery_skill(body: HasBattery) -> Skill:
@@ -15,6 +17,8 @@ def battery_skill(body: HasBattery) -> Skill:
         """Say how full the battery is."""
         goal.token.check()
         charge = body.battery()
-        return {"charge": round(charge, 4), "percent": round(100 * charge)}
+        result = {"charge": round(charge, 4), "percent": round(100 * charge)}
+        lasts_s = body.battery_lasts_s() if isinstance(body, KnowsPowerDraw) else math.inf
+        return {**result, "lasts_s": round(lasts_s)} if math.isfinite(lasts_s) else result
 
     return battery

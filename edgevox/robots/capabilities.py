@@ -297,6 +297,34 @@ class HasBattery(Protocol):
 
 
 @runtime_checkable
+class KnowsPowerDraw(Protocol):
+    """Knows how long its charge lasts."""
+
+    def battery_lasts_s(self) -> float:
+        """Seconds until the charge is used up, driving all the time; infinite if it draws none."""
+
+
+@runtime_checkable
+class MeasuresWays(Protocol):
+    """Plans its own ways, and knows how long one is before it drives."""
+
+    def way_m(self, x_m: float, y_m: float) -> float:
+        """Metres of the way to a point, from here. Raises `SkillFailed` where no way leads."""
+
+
+@runtime_checkable
+class TellsFacts(Protocol):
+    """Answers questions about itself and its world that only a body of its kind can answer."""
+
+    @property
+    def facts(self) -> tuple[Skill, ...]:
+        """Skills that move nothing: their templates are the questions, their `done` the answers.
+
+        Neither programs nor the language model can call them.
+        """
+
+
+@runtime_checkable
 class HasMap(Protocol):
     """Can show its surroundings without a display."""
 

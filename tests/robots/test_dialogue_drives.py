@@ -10,6 +10,7 @@ from guards import HUNG_S
 
 from edgevox.agent.agents import Agent
 from edgevox.agent.conversation import Conversation
+from edgevox.agent.dialogue.known import Known
 from edgevox.agent.skills import SkillSet
 from edgevox.core.agent_events import GoalChanged
 from edgevox.core.bus import Bus
@@ -29,7 +30,7 @@ class Drive:
         self.bus.subscribe(Responded, self._answered)
         self.bus.subscribe(GoalChanged, self._changed)
         agent = Agent("robot", "", SkillSet(robot.skills))
-        self.talk = Conversation([agent], self.bus, halt=robot.halt, pose=robot.pose)
+        self.talk = Conversation([agent], self.bus, halt=robot.halt, known=Known(pose=robot.pose))
         self.talk.start()
 
     def say(self, text):

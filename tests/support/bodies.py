@@ -17,8 +17,10 @@ from hassil.parse_expression import parse_sentence
 
 from edgevox.agent.phrases.phrasebook import Phrasebook
 from edgevox.agent.skills import OneOf, Skill, SkillSet
+from edgevox.robots.facts import facts_of
 from edgevox.robots.humanoid.skills import walking_skills
 from edgevox.robots.navigation import navigation_skills
+from edgevox.robots.panda.facts import table_facts
 from edgevox.robots.panda.skills import manipulation_skills
 from edgevox.robots.places.memory import PlaceMemory
 from edgevox.robots.relative_skills import driving_skills
@@ -51,6 +53,21 @@ BODIES: Mapping[str, SkillSet] = {
     "humanoid": SkillSet(walking_skills(Nobody())),
     "panda": SkillSet(manipulation_skills(Nobody())),
 }
+
+
+class Teller:
+    """Stands where a body would that tells facts; it has no battery."""
+
+    def __init__(self, skills: SkillSet, facts: tuple[Skill, ...] = ()) -> None:
+        self.skills = tuple(skills.values())
+        self.facts = facts
+
+
+FACTS: Mapping[str, tuple[Skill, ...]] = {
+    name: facts_of(Teller(skills, table_facts(Nobody()) if name == "panda" else ()))
+    for name, skills in BODIES.items()
+}
+"""What each body is asked and can only tell."""
 SKILLS: Mapping[str, Skill] = {
     f"{body}.{name}": one for body, skills in BODIES.items() for name, one in skills.items()
 }
@@ -62,7 +79,7 @@ def say_it(book: Phrasebook, one: Skill, template: str, source: random.Random) -
         name: [said for word in choices.words for said in book.word(word).heard]
         for name, choices in one.choices.items()
     }
-    heard["name"] = ["Zanzibar"]
+    heard["name"] = heard["what"] = ["Zanzibar"]
 
     def write(part: Expression) -> str:
         match part:

@@ -10,11 +10,12 @@ from waiting import Heard as Told
 
 from edgevox.agent.agents import Agent
 from edgevox.agent.conversation import Conversation
+from edgevox.agent.dialogue.known import Known
 from edgevox.agent.nlu.decider import Decider
 from edgevox.agent.nlu.meaning import ASK_FROM, Meaning, read_head
 from edgevox.agent.policy import Guard
 from edgevox.agent.programs.senses import Senses
-from edgevox.agent.skills import Call, SkillSet
+from edgevox.agent.skills import Call, Skill, SkillSet
 from edgevox.core.agent_events import AgentEvent, Confirmation, as_json
 from edgevox.core.bus import Bus
 from edgevox.core.commands import ConversationCommand, Heard, Hypothesis, Reset, TextInput, Way
@@ -80,7 +81,8 @@ class Talk:
 
     `skills` are what it can be asked for, names of the body's or skills of one's own. `certain`
     decides as if every sentence were an order, `hears` tells what misheard words sound like.
-    `policy` is the file of a policy. Everything else is the conversation's.
+    `policy` is the file of a policy, `facts` are what the body tells. Everything else is the
+    conversation's.
     """
 
     def __init__(
@@ -94,6 +96,7 @@ class Talk:
         battery: bool = True,
         certain: bool = False,
         hears: bool = False,
+        facts: tuple[Skill, ...] = (),
         **more: Any,
     ) -> None:
         self.bus, self.clock, self.interlock = Bus(), HeldClock(1000.0), Interlock()
@@ -114,7 +117,7 @@ class Talk:
             clock=clock,
             interlock=self.interlock,
             guard=Guard(policy, self.bus),
-            pose=self.body.pose,
+            known=Known(facts=facts, pose=self.body.pose),
             timer=self.clock,
             senses=Senses(
                 battery=(lambda: self.body.battery) if battery else None,

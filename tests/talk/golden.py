@@ -7,6 +7,7 @@ words are a diff there. Read what has changed, best with somebody whose language
 import json
 import sys
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -51,6 +52,7 @@ RESULTS: Mapping[str, Any] = {
     "name": "wine_cellar",
     "names": ["kitchen", "office"],
     "objects": {"red_cube": {"x": 0.5, "on": "table"}, "blue_cube": {"x": 0.5, "on": "hand"}},
+    "count": 2,
 }
 ABOUT: Mapping[str, Any] = {
     **dict.fromkeys(("x", "y", "z", "x_min", "y_min"), "2"),
@@ -100,14 +102,14 @@ ENDS: Mapping[str, tuple[tuple[Mapping[str, Any], Mapping[str, Any]], ...]] = {
     "humanoid.stand": (({}, {"got_up": False}), ({}, {"got_up": True})),
     "humanoid.walk_forward": (({}, {"walked": 1.02}),),
     "humanoid.turn_left": (({}, {"turned": 89.6}),),
-    "panda.get_pose": (({}, HAND), ({}, {**HAND, "held": "red_cube"})),
+    "panda.get_pose": (({}, {**HAND, "empty": True}), ({}, {**HAND, "held": "red_cube"})),
     "panda.place": (
         ({"object": "it", "target": "left_bin"}, {**HAND, "object": "red_cube"}),
         ({"object": "red_cube", "target": "table"}, {**HAND, "object": "red_cube"}),
     ),
     "panda.release": (({}, {"released": "red_cube"}), ({}, {"released": None})),
-    "panda.list_objects": (({}, {"objects": THINGS}),),
-    "apartment.battery": (({}, {"percent": 87}),),
+    "panda.list_objects": (({}, {"objects": THINGS, "count": 3}),),
+    "apartment.battery": (({}, {"percent": 87}), ({}, {"percent": 87, "lasts_s": 4500}), ({}, {})),
     "apartment.list_places": (
         ({}, {"names": ["kitchen", "living_room", "charger"]}),
         ({}, {"names": []}),
@@ -124,6 +126,31 @@ FAILURES = {
 }
 
 
+LASTS = {"takes", "left", "lasts"}
+FACT: Mapping[str, Any] = {
+    **dict.fromkeys(LASTS, 75),
+    **dict.fromkeys(("distance", "straight", "metres", "speed", "limit", "x", "y"), 2.25),
+    "count": 3,
+    "day": 9,
+    "done": "…",
+    "free": 10.0,
+    "here": "office",
+    "month": 5,
+    "names": ["kitchen", "office"],
+    "object": "red_cube",
+    "objects": THINGS,
+    "place": "left_bin",
+    "room": "kitchen",
+    "side": "to_my_left",
+    "target": "right_bin",
+    "time": "17:30",
+    "weekday": 2,
+    "what": "stapler",
+    "year": 2026,
+}
+"""What facts are about; a value that is not here is a flag."""
+
+
 class Depot:
     """A body whose places are locations."""
 
@@ -133,6 +160,11 @@ class Depot:
 @skill(says="Dancing for {seconds:g} seconds.")
 def dance(goal, seconds: float):
     """Dance."""
+
+
+@skill(moves=False)
+def fact(goal):
+    """Tell something."""
 
 
 DEPOT = navigation_skills(Depot(), word=LOCATION)
@@ -156,8 +188,18 @@ def answers(code: str) -> dict[str, dict[str, Any]]:
             for name in language_file(ENGLISH)["interfaces"]
         },
         "examples": dict(_examples(book)),
+        "facts": dict(_facts(book)),
         "skills": {name: _of_skill(book, name) for name in SKILLS},
     }
+
+
+def _facts(book: Phrasebook) -> Iterator[tuple[str, str]]:
+    """Each sentence that tells a fact, by the values that it needs."""
+    for name, phrases in book.dialogue.items():
+        for number, template in enumerate(phrases.done, 1):
+            known = {one: FACT.get(one, True) for one in fields(template)}
+            told = {f"{one}_s" if one in LASTS else one: value for one, value in known.items()}
+            yield f"{name} {number}", book.report(replace(fact, name=name), {}, told)
 
 
 def _examples(book: Phrasebook) -> Iterator[tuple[str, str]]:

@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 from dialogue import Dialogue, Line, calls, dialogues, files, listed
 from guards import HUNG_S
-from support.bodies import BODIES
+from support.bodies import BODIES, FACTS
 from support.body import FakeBody
 from support.conversation import Talk
 from support.noted_phrases import Noted, noted_phrases
@@ -37,6 +37,7 @@ def opened(header: Mapping[str, Any]) -> Talk:
     body = FakeBody(arrives=True, reports=True, rooms=places[0], aliases=places[1])
     if robot := more.pop("robot", ""):
         more["skills"] = body.playing(BODIES[robot].values())
+        more["facts"] = FACTS[robot]
     return Talk(body, **more)
 
 

@@ -190,8 +190,9 @@ class Asking:
         if halt is None and answer and self._counts(answer, text):
             return self._answered(answer, turn, said_s)
         meaning = self._corrected(text) or halt
+        between = None if meaning else self._asked_between(text)
         if meaning is None:
-            rest = self._unanswered(text)
+            rest = text if between else self._unanswered(text)
             if not rest:
                 turn.say(self._interpreter.phrases.say("left_undone"))
                 return None
@@ -202,7 +203,10 @@ class Asking:
             return meaning
         turn.decided(meaning.every_call, meaning.source, meaning.measured)
         meaning = self._interpreter.as_heard(meaning, turn)
-        return meaning if self.act(meaning, turn) else None
+        done = self.act(meaning, turn)
+        if between and self.question.asked is between:
+            self._ask_again(turn)
+        return meaning if done else None
 
     def act(self, meaning: Meaning, turn: Turn) -> bool:
         """Do what is meant, or ask first; always ask if the policy wants a yes.
@@ -236,7 +240,7 @@ class Asking:
         self._put(Question(prepared.meaning, text, turn.number), turn)
 
     def _ask_again(self, turn: Turn) -> None:
-        """Ask the same question again, because the yes was hardly heard."""
+        """Ask the same question again: the yes was hardly heard, or a question came between."""
         if asked := self.question.asked:
             self._dialogue_skills.confirmed(turn.number, asked.turn)
             self._put(replace(asked, turn=turn.number), turn)
@@ -297,6 +301,12 @@ class Asking:
             return None
         self.question.end(ConfirmationStatus.DECLINED)
         return Meaning(agent, tuple(right if c is wrong else c for c in calls), "template")
+
+    def _asked_between(self, text: str) -> Question | None:
+        """The open question that these words leave open: they only ask the robot something."""
+        plain = self._interpreter.plain(text) if self.question.asked else None
+        asks = isinstance(plain, Meaning) and self._dialogue_skills.only_tells(plain.calls)
+        return self.question.asked if asks else None
 
     def _halt(self, text: str, answer: Answer | None) -> Meaning | None:
         """The call that ends the motion which these words say no to: "no", "no, go east".

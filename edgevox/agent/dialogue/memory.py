@@ -152,6 +152,8 @@ class MotionRecord:
     """The body's pose when the goal began; None if the body does not know it."""
     progress: float | None = None
     """The last reported progress, from 0 to 1."""
+    began_s: float | None = None
+    """The clock's time when the goal began to run."""
 
 
 class Dialogue:
@@ -227,6 +229,12 @@ class Dialogue:
             live = [one for one in self._motions if one.status is GoalStatus.RUNNING]
             return live[-1] if live else None
 
+    def left_s(self, running: MotionRecord) -> float | None:
+        """Seconds that a running motion still takes, if it goes on as it did until now; or None."""
+        if running.began_s is None or not running.progress:
+            return None
+        return (self._clock.now() - running.began_s) * (1 / running.progress - 1)
+
     def moved(self) -> MotionRecord | None:
         """The last motion, running or ended, or None."""
         return next(iter(self._ran()), None)
@@ -287,6 +295,8 @@ class Dialogue:
             motion.status, motion.last_s = event.status, self._clock.now()
             motion.began = motion.began or begins
             motion.start = motion.start or start
+            if begins:
+                motion.began_s = motion.last_s
             if isinstance(event, GoalChanged) and event.feedback:
                 motion.progress = _part(event.feedback.get("progress"))
 

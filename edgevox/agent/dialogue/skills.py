@@ -10,6 +10,8 @@ from dataclasses import replace
 from typing import Annotated
 
 from edgevox.agent.agents import Agent, skills_of
+from edgevox.agent.dialogue.facts import OF_DIALOGUE, dialogue_facts
+from edgevox.agent.dialogue.known import NOTHING_KNOWN, Known
 from edgevox.agent.dialogue.memory import Dialogue
 from edgevox.agent.dialogue.references import References
 from edgevox.agent.nlu.abilities import abilities
@@ -31,7 +33,6 @@ from edgevox.agent.turn import Turn
 from edgevox.core.bus import Bus
 from edgevox.core.clock import Clock
 from edgevox.core.events import Outcome
-from edgevox.core.transforms import Pose2D
 
 MOST_QUOTED = 120
 """Number of characters of a person's words that an answer quotes."""
@@ -117,17 +118,30 @@ class DialogueSkills:
         bus: Bus,
         clock: Clock,
         phrases: Callable[[], Phrasebook],
-        pose: Callable[[], Pose2D] | None = None,
+        known: Known = NOTHING_KNOWN,
     ) -> None:
         self._skills = skills_of(agents)
         self._phrases = phrases
+        facts = {one.name for one in known.facts}
+        self._names = frozenset({*DIALOGUE_SKILLS, *OF_DIALOGUE, *facts} - self._skills.keys())
         self._dialogue = Dialogue(
-            bus, clock, self._skills, dialogue_skills=DIALOGUE_SKILLS, pose=pose
+            bus, clock, self._skills, dialogue_skills=self._names, pose=known.pose
         )
+        self._facts = (
+            *known.facts, *dialogue_facts(self._dialogue, self._skills, phrases, known)
+        )  # fmt: skip
         self._references = References(self._dialogue, self._skills)
         self._answers = DialogueAnswers(self._dialogue, self._skills, phrases)
         self.agents = tuple(
             replace(one, dialogue_skills=self._beside(one.skills)) for one in agents
+        )
+
+    def only_tells(self, calls: Sequence[Call]) -> bool:
+        """True if the calls only ask the robot something: they leave an open question open."""
+        return bool(calls) and all(
+            (call.skill in self._names and call.skill not in (*REFERENCES, ALSO))
+            or (call.skill in self._skills and _only_tells(self._skills[call.skill]))
+            for call in calls
         )
 
     def meant(self, meaning: Meaning | None, turn: Turn) -> Meaning | None:
@@ -167,7 +181,7 @@ class DialogueSkills:
         except SkillFailed as error:
             self._refuse(error, turn)
             return None
-        if any(call.skill in DIALOGUE_SKILLS for call in calls_of(meant)):  # no questions later
+        if any(call.skill in self._names for call in calls_of(meant)):  # no questions later
             turn.say(self._phrases().say("program_unclear"), Outcome.NOT_UNDERSTOOD)
             return None
         return replace(meaning, program=meant)
@@ -214,7 +228,12 @@ class DialogueSkills:
         dialogue_skills += [_reference(name) for name in REFERENCES]
         if any(one.choices for one in skills.values()):
             dialogue_skills.append(_also(_every_choice(skills)))
+        dialogue_skills += self._facts
         return SkillSet(one for one in dialogue_skills if one.name not in skills)
+
+
+def _only_tells(one: Skill) -> bool:
+    return not (one.moves or one.lasting or one.confirm)
 
 
 def _question(name: str, answers: DialogueAnswers) -> Skill:

@@ -22,7 +22,7 @@ from edgevox.agent.phrases.own_names import phrasebook_of
 from edgevox.agent.skills import Call, SkillSet
 from edgevox.agent.text.spelling import key
 
-_QUESTION_MARKS = "?\N{FULLWIDTH QUESTION MARK}\N{ARABIC QUESTION MARK}"
+QUESTION_MARKS = "?\N{FULLWIDTH QUESTION MARK}\N{ARABIC QUESTION MARK}"
 _MOST_DOUBTS = 4
 _MOST_NAMED = 2
 _SEVERAL = 2
@@ -43,7 +43,7 @@ def evidence(reading: Reading, lexicon: Lexicon, text: str) -> Mapping[str, floa
     asking = bool(lexicon.index(words.asking).starts(tokens))
     wishing = bool(lexicon.index(words.wishes).starts(tokens))
     said = _SaidWords(lexicon, tokens, reading.courteous)
-    asks = any(mark in text for mark in _QUESTION_MARKS)
+    asks = any(mark in text for mark in QUESTION_MARKS)
     return {
         "strange": reading.strange,
         "strange_inside": max(part.strange for part in parts),

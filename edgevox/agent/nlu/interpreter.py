@@ -11,7 +11,7 @@ from edgevox.agent.agents import Agent, by_name
 from edgevox.agent.llm.chat.calls import HANDOFF, Protocol
 from edgevox.agent.llm.chat.history import History, size_tokens
 from edgevox.agent.llm.language_model import ChatMessage, LanguageModel, ModelBusy, ModelFailed
-from edgevox.agent.nlu.abilities import not_understood
+from edgevox.agent.nlu.abilities import abilities, not_understood
 from edgevox.agent.nlu.decider import Decider, Decision, Readings
 from edgevox.agent.nlu.disfluencies import fluent
 from edgevox.agent.nlu.hearing.hypotheses import is_contested, likeliest
@@ -20,10 +20,19 @@ from edgevox.agent.nlu.hearing.sounds import Phonemes
 from edgevox.agent.nlu.meaning import ASK_FROM, HEARD_FROM, Meaning
 from edgevox.agent.nlu.order_reader import ProgramReader, Unclear
 from edgevox.agent.nlu.orders import Program
+from edgevox.agent.nlu.questions import (
+    CheckedAnswer,
+    WorldWords,
+    asks,
+    asks_whether,
+    is_about_hearer,
+    question_of,
+)
 from edgevox.agent.nlu.remainder import may_ask_whether
 from edgevox.agent.nlu.templates import Recogniser, RefusedCommand, Understood
 from edgevox.agent.phrases.load import ENGLISH
 from edgevox.agent.phrases.own_names import phrasebook_of
+from edgevox.agent.phrases.phrasebook import Phrasebook
 from edgevox.agent.skills import Call, Skill, SkillSet
 from edgevox.agent.turn import Turn
 from edgevox.core.agent_events import HandedOver
@@ -79,6 +88,7 @@ class Interpreter:
         self.phrases = phrasebook_of(code, self._every_skill())
         self._recognisers = {a.name: Recogniser(a.skills, code, a.dialogue_skills) for a in agents}
         self._readings = {a.name: Readings(a.skills, code) for a in agents}
+        self._questions = {a.name: Readings(_telling(a, self.phrases), code) for a in agents}
         self._near = (
             {a.name: NearCommands(a.skills, self.phrases, self._phonemes) for a in agents}
             if self._phonemes
@@ -124,6 +134,21 @@ class Interpreter:
         refused = program if isinstance(program, RefusedCommand) else plain
         if refused:
             turn.say(refused.reason, Outcome.REFUSED, detail=refused.detail)
+            return None
+        return self._answer(text, said, turn)
+
+    def _answer(self, text: str, said: str, turn: Turn) -> Meaning | None:
+        """Answer words that are no order: by what the robot knows, else by the model.
+
+        `said` are the same words with their false starts.
+        """
+        if asked := self._asked(text):
+            return self._taken(asked, turn)
+        if asks_whether(text, self._code) and not _needs_model(self.active):
+            self._say_no_ability(turn)
+            return None
+        if asks(text, self._code) and self._world().named_in(text):
+            turn.say(self.phrases.say("not_known"))
             return None
         if self._model is None:
             self._say_not_understood(turn)
@@ -173,6 +198,14 @@ class Interpreter:
             asks = may_ask_whether(decision.calls, text, self._code)
             sure = min(decision.confidence, ASK_FROM) if asks else decision.confidence
             return Meaning(agent, decision.calls, "reading", sure)
+        return None
+
+    def _asked(self, text: str) -> Meaning | None:
+        """The question to the robot that the words most likely ask, though no template fits."""
+        for agent in self._active_first():
+            judged = self._questions[agent.name].of(text)
+            if call := question_of(judged, text, self._code):
+                return Meaning(agent, (call,), "reading", ASK_FROM)
         return None
 
     def as_heard(self, meaning: Meaning, turn: Turn) -> Meaning:
@@ -277,6 +310,13 @@ class Interpreter:
     def _say_unclear(self, turn: Turn) -> None:
         turn.say(self.phrases.say("program_unclear"), Outcome.NOT_UNDERSTOOD)
 
+    def _world(self) -> WorldWords:
+        return WorldWords(self._every_skill(), self.phrases)
+
+    def _say_no_ability(self, turn: Turn) -> None:
+        can, detail = abilities(self.phrases, self._every_skill())
+        turn.say(f"{self.phrases.say('no_ability')} {can}".strip(), detail=detail)
+
     def _say_not_understood(self, turn: Turn) -> None:
         told, detail = not_understood(self.phrases, self._every_skill())
         turn.say(told, Outcome.NOT_UNDERSTOOD, detail=detail)
@@ -285,6 +325,7 @@ class Interpreter:
         self, model: LanguageModel, protocol: Protocol, text: str, turn: Turn, *, ordered: bool
     ) -> Sequence[Call]:
         parser = protocol.parser()
+        checked = CheckedAnswer(self._world()) if is_about_hearer(text, self._code) else None
         started_s = self._clock.now()
         try:
             for piece in model.generate(
@@ -293,7 +334,8 @@ class Interpreter:
                 max_tokens=ANSWER_TOKENS,
                 token=turn.token,
             ):
-                turn.stream(parser.feed(piece))
+                told = parser.feed(piece)
+                turn.stream(checked.feed(told) if checked else told)
         except ModelFailed as error:
             log.error("model_failed", reason=str(error))  # noqa: TRY400 - its message says it all
             what = "model_busy" if isinstance(error, ModelBusy) else "model_failed"
@@ -301,7 +343,11 @@ class Interpreter:
             return ()
         finally:
             turn.thought(self._clock.now() - started_s)
+        if checked:
+            turn.stream(checked.finish())
         turn.flush()
+        if checked and checked.dropped and not turn.text and not turn.token.cancelled:
+            turn.say(self.phrases.say("not_known"))
         return (
             () if turn.token.cancelled else protocol.allowed(parser.finish(), text, ordered=ordered)
         )
@@ -346,6 +392,21 @@ def _drives(meaning: Meaning) -> bool:
 def _goes_back_from_there(meaning: Meaning) -> bool:
     """True if going back follows another call: then it means the start of that call's motion."""
     return any(call.skill == BACK for call in meaning.calls[1:])
+
+
+def _telling(agent: Agent, book: Phrasebook) -> SkillSet:
+    """The skills that only tell something and can be read by their words alone."""
+    return SkillSet(
+        one
+        for one in agent.every_skill.values()
+        if book.tells(one) and not (one.moves or one.lasting or one.new_names)
+    )
+
+
+def _needs_model(agent: Agent) -> bool:
+    """True if a model can hand over, or call a skill that takes any words but a new name."""
+    free = (one.free_text - one.new_names for one in agent.skills.values())
+    return bool(agent.handoffs) or any(free)
 
 
 def _for_models(agent: Agent) -> SkillSet:

@@ -66,6 +66,10 @@ class FunctionWords:
     """Words beside a name that tell something about it: "the kitchen' s over there"."""
     abilities: tuple[str, ...] = ()
     """Words that may ask about an ability instead of for the action."""
+    talking: tuple[str, ...] = ()
+    """Words for what a robot can do by talking alone: "can you explain ..."."""
+    you: tuple[str, ...] = ()
+    """Words for the hearer."""
     amounts: tuple[str, ...] = ()
     """Parts of numbers, units and times; the sentence is no order if no value took them."""
     number_marks: tuple[str, ...] = ()

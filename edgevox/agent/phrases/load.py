@@ -50,7 +50,8 @@ def _book(code: str, data: Mapping[str, Any], fallback: Phrasebook | None) -> Ph
         dialogue={
             name: SkillPhrases(templates=tuple(said))
             for name, said in data.get("dialogue", {}).items()
-        },
+        }
+        | skill_entries(data.get("facts", {})),
         small_talk=_exchanges(data, "small_talk") or (fallback.small_talk if fallback else ()),
         declined=_exchanges(data, "declined") or (fallback.declined if fallback else ()),
         links=tuple(data.get("links", fallback.links if fallback else ())),

@@ -29,6 +29,7 @@ from edgevox.agent.text.words import (
     word_of,
     worded,
 )
+from edgevox.core.files.json_reader import is_number
 from edgevox.core.reason import Named, Reason
 
 _RULE = re.compile(r"<(\w+)>")
@@ -209,6 +210,10 @@ def _nearness(book: "Phrasebook", name: str, said: str) -> float:
     return max(SequenceMatcher(None, key(said), key(one)).ratio() for one in heard)
 
 
+_UNITS = (("hours", "hour", 3600), ("minutes", "minute", 60), ("seconds", "second", 1))
+_MOST_UNITS = 2
+_SECONDS = "_s"
+"""The end of the name of a value in seconds: `lasts_s` is told as `{lasts}`, "2 hours"."""
 _OTHER = "other"
 """Key for the name of an argument without a name of its own."""
 _WORD = "word"
@@ -303,7 +308,12 @@ class Phrasebook:
         """The sentence for the success of a call; may be empty."""
         values = {**arguments, **result}
         said = self._speak(one, one.done, lambda phrases: phrases.done, values)
+        said = f"{said[:1].upper()}{said[1:]}"
         return said or (self.fallback.report(one, arguments, result) if self.fallback else "")
+
+    def tells(self, one: Skill) -> bool:
+        """True if the success of a call is reported in words."""
+        return bool(one.done or self._phrases(one).done)
 
     def question(self, calls: Sequence[tuple[Skill, Mapping[str, Any]]]) -> str:
         """Asks whether these calls shall be done: "Shall I go to the kitchen?"."""
@@ -348,6 +358,16 @@ class Phrasebook:
         first, *rest = [sentence for sentence in sentences if sentence] or [self.say("all_right")]
         then = (self.say("then", next=f"{one[0].lower()}{one[1:]}") for one in rest)
         return " ".join([first, *then])
+
+    def duration(self, seconds: float) -> str:
+        """A duration in its two largest units: "1 hour and 30 minutes"."""
+        left = max(1, round(seconds))
+        told: list[str] = []
+        for several, one, size in _UNITS:
+            number, left = divmod(left, size)
+            if number:
+                told.append(self.say(one if number == 1 else several, count=number))
+        return self.both(told[:_MOST_UNITS])
 
     def both(self, parts: Sequence[str]) -> str:
         """Some parts as one: "1 hour and 30 minutes"."""
@@ -440,6 +460,11 @@ class Phrasebook:
             name: self._spoken(value) for name, value in worded(values, self.said_for(one)).items()
         }
         told |= {spoken_name(name): value for name, value in told.items()}
+        told |= {
+            name.removesuffix(_SECONDS): self.duration(value)
+            for name, value in values.items()
+            if name.endswith(_SECONDS) and is_number(value)
+        }
         known = {name for name, value in told.items() if value is not None}
         fit = (template for template in templates if fields(template) <= known)
         template = next(fit, "")

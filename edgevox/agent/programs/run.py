@@ -32,9 +32,6 @@ from edgevox.core.clock import Clock
 from edgevox.core.errors import EdgeVoxError
 from edgevox.core.reason import Reason
 
-_UNITS = (("hours", "hour", 3600), ("minutes", "minute", 60), ("seconds", "second", 1))
-_MOST_UNITS = 2
-
 
 def in_words(program: Program, phrases: Phrasebook, skills: SkillSet) -> str:
     """The program described in one or more sentences."""
@@ -53,7 +50,7 @@ def in_words(program: Program, phrases: Phrasebook, skills: SkillSet) -> str:
             order = _part(inner, phrases, skills)
             return phrases.say("program_times", count=f"{count:g}", order=order)
         case After(delay_s=delay_s, program=inner):
-            duration = duration_in_words(delay_s, phrases)
+            duration = phrases.duration(delay_s)
             order = _part(inner, phrases, skills)
             return phrases.say("program_after", duration=duration, order=order)
         case When(condition=BatteryBelow(percent=percent), program=inner):
@@ -62,17 +59,6 @@ def in_words(program: Program, phrases: Phrasebook, skills: SkillSet) -> str:
         case When(condition=Arrived(), program=inner):
             return phrases.say("program_arrived", order=_part(inner, phrases, skills))
     raise TypeError(program)
-
-
-def duration_in_words(seconds: float, phrases: Phrasebook) -> str:
-    """A duration in its two largest units: "an hour and 30 minutes"."""
-    left = max(1, round(seconds))
-    told: list[str] = []
-    for several, one, size in _UNITS:
-        number, left = divmod(left, size)
-        if number:
-            told.append(phrases.say(one if number == 1 else several, count=number))
-    return phrases.both(told[:_MOST_UNITS])
 
 
 def _part(program: Program, phrases: Phrasebook, skills: SkillSet) -> str:

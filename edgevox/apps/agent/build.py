@@ -12,6 +12,7 @@ from pathlib import Path
 from edgevox import __version__
 from edgevox.agent.agents import Agent
 from edgevox.agent.conversation import Conversation
+from edgevox.agent.dialogue.known import NOTHING_KNOWN
 from edgevox.agent.llm.language_model import LanguageModel, ModelFailed
 from edgevox.agent.llm.prefill import PromptPrefill
 from edgevox.agent.llm.status import LlmComponent
@@ -59,6 +60,7 @@ from edgevox.ops.health import Health
 from edgevox.ops.logs import BusLog
 from edgevox.ops.machine import DiskComponent, ProcessComponent
 from edgevox.robots.capabilities import Body, HasPicture, HasPose
+from edgevox.robots.facts import known_of
 from edgevox.robots.flat.viewer import Viewer, has_display
 from edgevox.robots.program_senses import senses_of
 from edgevox.robots.sim_loop import SimComponent
@@ -153,7 +155,7 @@ def build_parts(stack: ExitStack, settings: Settings, body: Body | None) -> Agen
         guard=guard,
         decider=open_decider(),
         phonemes=open_phonemes() if voice else None,
-        pose=body.pose if isinstance(body, HasPose) else None,
+        known=known_of(body) if body else NOTHING_KNOWN,
         senses=senses_of(body) if body else NO_SENSES,
     )
     bus.subscribe(ControlChanged, lambda change: _follow(conversation, change))

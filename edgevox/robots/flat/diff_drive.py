@@ -3,9 +3,11 @@
 The parts of `robot_state`, JSON-ready.
 """
 
+import math
 import threading
 from collections.abc import Callable, Collection, Mapping, Sequence
 from functools import cached_property, lru_cache
+from itertools import pairwise
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
@@ -174,6 +176,16 @@ class DiffDriveRobot(SteppedBySimLoop, SimulatedBody):
 
     def battery(self) -> float:
         return self._run.battery.charge  # not locked: a step that hangs must not hide how it is
+
+    def battery_lasts_s(self) -> float:
+        return self._run.battery.lasts_s(self.max_linear_m_s)
+
+    def way_m(self, x_m: float, y_m: float) -> float:
+        forbidden = self._forbidden_rooms()
+        with self._lock:
+            pose, movable = self._run.motion.pose, self._engine.movable_poses()
+        way = self._planner.plan((pose.x_m, pose.y_m), (x_m, y_m), movable, forbidden)
+        return sum(math.dist(one, other) for one, other in pairwise(way))
 
     def trail(self) -> tuple[Point, ...]:
         """Return the robot's path since the start or a reset, at most the last 5000 points."""

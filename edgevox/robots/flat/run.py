@@ -71,6 +71,11 @@ class Battery:
     def empty(self) -> bool:
         return self._left_wh <= 0.0
 
+    def lasts_s(self, speed_m_s: float) -> float:
+        """Seconds for which the charge lasts at this speed."""
+        power_w = self._spec.idle_w + self._spec.linear_w_per_m_s * speed_m_s
+        return 3600.0 * self._left_wh / power_w if power_w > 0.0 else math.inf
+
     def step(self, seconds: float, pose: Pose2D, twist: Twist2D) -> None:
         """Account for this much time at this place with this motion."""
         spec = self._spec

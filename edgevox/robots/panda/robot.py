@@ -19,6 +19,7 @@ from edgevox.robots.mujoco.cameras import PICTURE_PX
 from edgevox.robots.mujoco.renderer import Renderer
 from edgevox.robots.panda import tasks
 from edgevox.robots.panda import things as seen
+from edgevox.robots.panda.facts import table_facts
 from edgevox.robots.panda.planner import InTheWay, OutOfReach
 from edgevox.robots.panda.scene import CAMERA, SHOW, TCP
 from edgevox.robots.panda.skills import manipulation_skills
@@ -45,10 +46,15 @@ class PandaRobot(SimulatedBody):
         self._renderer = Renderer(self._engine.model, *PICTURE_PX, name=self.name)
         self._camera_spec = CAMERA.spec(*CAMERA_PX)
         self._skills = manipulation_skills(self)
+        self._facts = table_facts(self)
 
     @property
     def skills(self) -> tuple[Skill, ...]:
         return self._skills
+
+    @property
+    def facts(self) -> tuple[Skill, ...]:
+        return self._facts
 
     @property
     def time_s(self) -> float:
@@ -167,6 +173,7 @@ class PandaRobot(SimulatedBody):
         places = {name: seen.where(name, things, held) for name in things}
         return {
             "objects": {name: {**_point(things[name]), "on": places[name]} for name in things},
+            "count": len(things),
         }
 
     def move_to(

@@ -15,11 +15,11 @@ IT = "it"
 
 _THINGS = ("cube", "block", "box", "brick", "object", "thing", "one", "1")
 """The last is how "one" arrives after numbers were written as digits."""
-_CUBE_WORDS = {f"{name.split('_')[0]} {noun}": name for name in CUBES for noun in _THINGS} | {
+CUBE_WORDS = {f"{name.split('_')[0]} {noun}": name for name in CUBES for noun in _THINGS} | {
     name.split("_")[0]: name for name in CUBES
 }
 _HELD_WORDS = dict.fromkeys(("that", "this", "the object", "held object", "what you hold"), IT)
-_BIN_WORDS = {
+BIN_WORDS = {
     said: name
     for name in BINS
     for side in (name.split("_")[0],)
@@ -30,7 +30,7 @@ _BIN_WORDS = {
         side,
     )
 }
-_TABLE_WORDS = {"table top": TABLE, "tabletop": TABLE, "desk": TABLE, "its place": TABLE}
+TABLE_WORDS = {"table top": TABLE, "tabletop": TABLE, "desk": TABLE, "its place": TABLE}
 
 
 class Manipulator(Body, Protocol):
@@ -64,9 +64,9 @@ def manipulation_skills(body: Manipulator) -> tuple[Skill, ...]:
 
 
 def _carrying(body: Manipulator) -> tuple[Skill, ...]:
-    cube = OneOf(tuple(CUBES), _CUBE_WORDS)
-    cube_or_it = OneOf((*CUBES, IT), _CUBE_WORDS | _HELD_WORDS)
-    target_word = OneOf((*BINS, *CUBES, TABLE), _BIN_WORDS | _CUBE_WORDS | _TABLE_WORDS)
+    cube = OneOf(tuple(CUBES), CUBE_WORDS)
+    cube_or_it = OneOf((*CUBES, IT), CUBE_WORDS | _HELD_WORDS)
+    target_word = OneOf((*BINS, *CUBES, TABLE), BIN_WORDS | CUBE_WORDS | TABLE_WORDS)
 
     @skill()
     def grasp(goal: GoalHandle, object: Annotated[str, cube]) -> Result:  # noqa: A002
@@ -132,7 +132,8 @@ def _telling(body: Manipulator) -> tuple[Skill, ...]:
     def get_pose(goal: GoalHandle) -> Result:
         """Say where the hand is and what it holds."""
         goal.token.check()
-        return body.describe_hand()
+        hand = body.describe_hand()
+        return {**hand, "empty": hand["held"] is None}
 
     @skill(moves=False)
     def list_objects(goal: GoalHandle) -> Result:

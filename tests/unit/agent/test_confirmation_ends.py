@@ -59,8 +59,8 @@ def test_words_that_would_be_a_command_are_none_after_a_question_that_expired():
         assert talk.body.sent == [1.0]
 
 
-@pytest.mark.parametrize("said", ["where are you", "sing a song", "yes, but not now"])
-def test_anything_else_that_is_said_replaces_it_and_is_handled_as_usual(said):
+@pytest.mark.parametrize("said", ["sing a song", "yes, but not now"])
+def test_what_is_no_question_and_no_answer_replaces_it_and_is_handled_as_usual(said):
     with Talk(confirm="always") as talk:
         talk.say(said)
         usual = talk.said[-1]
@@ -69,6 +69,15 @@ def test_anything_else_that_is_said_replaces_it_and_is_handled_as_usual(said):
         assert talk.statuses == ["asked", "replaced"]
         talk.say("yes")
         assert talk.body.sent == []
+
+
+def test_a_question_to_the_robot_is_answered_and_the_open_one_is_asked_again():
+    with Talk(confirm="always") as talk:
+        talk.say("go to the kitchen", "where are you")
+        assert talk.said[-1] == "I am at 1.2. Shall I go to the kitchen?"
+        assert talk.statuses == ["asked", "replaced", "asked"]
+        talk.say("yes")
+        assert talk.body.sent == ["kitchen"]
 
 
 def test_a_new_question_replaces_the_old_one_and_a_yes_is_for_the_new_one():

@@ -87,19 +87,19 @@ def test_plain_commands_are_acted_on_and_all_else_is_not_understood(rig) -> None
 
 def test_a_model_answers_or_fails_and_all_its_pieces_count(rig) -> None:
     answering = rig(Model(SAY, "Hello. ", "World. "))
-    assert answering.outcome("who are you") is Outcome.ANSWERED
+    assert answering.outcome("what is love") is Outcome.ANSWERED
     (end,) = [one for one in answering.ends if one.outcome]
     assert end.tokens == 3
     assert len(answering.pieces) < end.tokens, "the first is not spoken"
 
     failing = rig(Model(SAY, "Hello. ", fails=True))
-    assert failing.outcome("who are you") is Outcome.FAILED
+    assert failing.outcome("what is love") is Outcome.FAILED
 
 
 def test_what_is_cut_was_interrupted_whatever_it_said_before(rig) -> None:
     model = Model(SAY, "Hello. ", waits=True)
     one = rig(model)
-    one.conversation.submit(TextInput("who are you"))
+    one.conversation.submit(TextInput("what is love"))
     assert model.begun.wait(60)
     one.conversation.submit(Interrupt(cause=Cause.BARGE_IN, motion=False))
     assert one.conversation.wait_idle(20)
