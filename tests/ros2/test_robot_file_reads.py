@@ -115,6 +115,14 @@ def test_the_file_says_how_the_robot_is_unless_a_setting_does(tmp_path):
     assert {"navigate_to", "act"} <= {one.name for one in body.skills}
 
 
+def test_a_files_own_sentence_counts_before_those_of_driving_by_an_amount(tmp_path):
+    body = build(tmp_path, HONK + "\nsentences: [turn around, back up]")
+    recogniser = Recogniser(SkillSet(body.skills))
+
+    assert recogniser.recognise("turn around") == Understood((Call("act"),))
+    assert recogniser.recognise("turn left") == Understood((Call("turn_left"),))
+
+
 def test_a_robot_that_does_not_drive_can_what_its_file_says_and_stop(tmp_path, caplog):
     build(tmp_path, HONK, "drives: false\n")
     settings = Settings(robot_file=tmp_path / "robot.yaml", max_linear=0.2)

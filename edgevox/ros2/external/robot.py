@@ -106,14 +106,14 @@ class ExternalRobot:
         own = navigation_skills(
             self, aliases=aliases, word=LOCATION, memory=self.place_memory, names=names
         )
-        described_names = {one.skill().name for one in described}
+        taken = {one.name for one in described}
         self._skills = (
             *(
                 replace(one, function=self._stop_and_see) if one.name == STOP else one
                 for one in own
             ),
-            *(one for one in driving_skills(self) if one.name not in described_names),
-            *(one.skill() for one in described),
+            *(one.skill() for one in described),  # before ours: its owner's sentences count first
+            *(one for one in driving_skills(self) if one.name not in taken),
         )
 
     @property
