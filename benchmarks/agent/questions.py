@@ -1,8 +1,10 @@
 """Questions to three bodies about themselves and their world: how many are answered rightly.
 
+    python -m benchmarks.agent.questions [MODEL]
+
 `questions.yaml` has them. Each goes to a whole agent with a simulated robot, whose time is held
-while it is asked: without a language model, and with the default one where it is on this machine.
-A right answer holds what the file says, begins no motion, ends none, and asks nothing.
+while it is asked, without a language model or with the one that is named. A right answer holds
+what the file says, begins no motion, ends none, and asks nothing.
 """
 
 import re

@@ -96,6 +96,10 @@ BENCHMARKS: Mapping[str, Benchmark] = {
         "benchmarks.agent.people_words",
         "what people said to robots in their own words; needs their sentences",
     ),
+    "questions": Benchmark(
+        "benchmarks.agent.questions",
+        "questions to three robots about themselves and their world, answered rightly",
+    ),
     "discovery_scale": Benchmark(
         "benchmarks.wire.discovery", "how soon many agents find each other, and what it costs"
     ),

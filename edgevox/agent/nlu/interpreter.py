@@ -325,7 +325,8 @@ class Interpreter:
         self, model: LanguageModel, protocol: Protocol, text: str, turn: Turn, *, ordered: bool
     ) -> Sequence[Call]:
         parser = protocol.parser()
-        checked = CheckedAnswer(self._world()) if is_about_hearer(text, self._code) else None
+        about = asks(text, self._code) and is_about_hearer(text, self._code)
+        checked = CheckedAnswer(self._world()) if about else None
         started_s = self._clock.now()
         try:
             for piece in model.generate(
