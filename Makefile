@@ -49,6 +49,7 @@ run: $(DONE)/$(if $(ROS2),msgs,run) ## Start the agent, aloud, on ROS 2 and with
 
 # The parts of the tests, and what each needs that is fetched or built first. ARGS may name some.
 PARTS := unit talk wrong training programs robots models ros2 docs browser compose
+NEEDS_unit := $(DONE)/msgs
 NEEDS_robots := test-models
 NEEDS_models := test-models $(DONE)/llama-cpp
 NEEDS_ros2 := test-models $(DONE)/msgs
@@ -74,7 +75,7 @@ test-needs:
 	@echo $(sort $(foreach part,$(TESTED),$(NEEDS_$(part))))
 
 .PHONY: unit
-unit: $(DONE)/dev ## Run what needs no model, no container, no node, and starts nothing large: in three minutes.
+unit: $(DONE)/dev $(NEEDS_unit) ## Run what needs no model, no container, no node, and starts nothing large: in three minutes.
 	@$(BIN)/python -m pytest -n 3 --dist loadfile -m "not long" tests/unit tests/talk tests/wrong $(ARGS)
 
 .PHONY: games

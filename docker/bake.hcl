@@ -13,6 +13,9 @@ variable "REPOSITORY" { default = "edgevox-ros2" }
 variable "TAG" { default = "local" }
 variable "VERSION" { default = "" }
 variable "REVISION" { default = "" }
+variable "CREATED" { default = "" }
+variable "SOURCE" { default = "" }
+variable "BASE_DIGEST" { default = "" }
 # The certificates of a TLS proxy, if there is one.
 variable "CA_BUNDLE" { default = "/dev/null" }
 # A folder of models that are on this machine already; each is verified, the rest is fetched.
@@ -32,8 +35,11 @@ target "common" {
     EDGEVOX_GID = EDGEVOX_GID
   }
   labels = {
-    "org.opencontainers.image.version"  = VERSION
-    "org.opencontainers.image.revision" = REVISION
+    "org.opencontainers.image.version"     = VERSION
+    "org.opencontainers.image.revision"    = REVISION
+    "org.opencontainers.image.created"     = CREATED
+    "org.opencontainers.image.source"      = SOURCE
+    "org.opencontainers.image.base.digest" = BASE_DIGEST
   }
 }
 

@@ -16,9 +16,9 @@ import numpy as np
 
 from edgevox.apps.agent.build import AgentParts, build_parts, start_parts
 from edgevox.apps.robots import build_body
+from edgevox.apps.terminal.screen import Face
 from edgevox.apps.terminal.slash_commands import SlashContext
-from edgevox.apps.tui.face import Face
-from edgevox.apps.tui.update_buffer import UpdateBuffer
+from edgevox.apps.terminal.view import UpdateBuffer
 from edgevox.core.cancel import CancelToken
 from edgevox.core.clock import SystemClock
 from edgevox.core.settings import load_settings

@@ -13,6 +13,7 @@ import subprocess
 import sys
 import tarfile
 from collections.abc import Sequence
+from datetime import UTC, datetime
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -81,6 +82,8 @@ def make(key: str, image_name: str, models: Sequence[str], out: Path) -> Path:
         (folder / "provenance.json").write_text(
             json.dumps(about, indent=1) + "\n", encoding="utf-8"
         )
+        made = datetime.fromtimestamp(source.date, UTC)
+        (folder / "bundle.date").write_text(f"{made:%Y-%m-%dT%H:%M:%SZ}\n", encoding="utf-8")
         write_sums(folder)
         sign(folder / SUMS, key)
         unfinished = Path(bench, "bundle.tar")

@@ -18,7 +18,7 @@ import yaml
 
 from edgevox.agent.policy.file import PolicyFile
 from edgevox.apps.container import ENVIRONMENT
-from edgevox.apps.container.variables import AGENTS
+from edgevox.apps.container.environment import AGENTS
 from edgevox.core.languages import LANGUAGES
 from edgevox.core.settings import Settings
 

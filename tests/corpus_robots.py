@@ -13,6 +13,7 @@ from edgevox.robots.flat.apartment import ApartmentRobot
 from edgevox.robots.humanoid.skills import walking_skills
 from edgevox.robots.navigation import LOCATION, navigation_skills
 from edgevox.robots.panda.skills import manipulation_skills
+from edgevox.robots.relative_skills import driving_skills
 
 
 class Nobody:
@@ -62,4 +63,4 @@ def _external_skills() -> tuple[Any, ...]:
     data = yaml.safe_load((FOLDER / "external_locations.yaml").read_text(encoding="utf-8"))
     body: Any = _Building({name: (one["x"], one["y"]) for name, one in data.items()})
     aliases = {alias: name for name, one in data.items() for alias in one.get("aliases", ())}
-    return navigation_skills(body, aliases=aliases, word=LOCATION)
+    return (*navigation_skills(body, aliases=aliases, word=LOCATION), *driving_skills(body))

@@ -12,7 +12,7 @@ from edgevox.agent.phrases.load import ENGLISH, phrasebook
 from edgevox.agent.skills import Skill, SkillFailed
 from edgevox.agent.text import reasons
 from edgevox.agent.text.words import bare, fields
-from edgevox.ros2.clients.clients import interface_reason
+from edgevox.ros2.clients import interface_reason
 
 _SKILLS: Mapping[str, Skill] = {
     one.name: one for body in ("humanoid", "panda", "apartment") for one in BODIES[body].values()

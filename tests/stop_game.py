@@ -35,12 +35,12 @@ from edgevox.core.commands import (
     StopSpotted,
     TextInput,
     Transcribing,
+    Way,
 )
 from edgevox.core.errors import EdgeVoxError
 from edgevox.core.events import Cause, Responded
 from edgevox.core.motion.interlock import Interlock, StreamStopped
 from edgevox.core.motion.software_stop import SoftwareStop
-from edgevox.core.ways import Way
 from edgevox.robots.capabilities import Twist2D
 from edgevox.robots.command_mux import WATCHDOG_S
 from edgevox.robots.limits import Steering

@@ -6,7 +6,8 @@ house robot with their frames: HuRIC). Without it this benchmark ends with a lin
 
 Each sentence goes the way that a spoken one goes, heard without a doubt and without a language
 model. "asked" is the right call, asked about first; a wrong motion is one that is begun unasked. Of
-the house's sentences those with no other frame than Motion ask it to go; no other may move it.
+the house's sentences those with no other frame than Motion and Change_direction ask it to go; no
+other may move it.
 """
 
 import json
@@ -26,6 +27,7 @@ from edgevox.voice.stt.speech_to_text import Transcript
 FOLDER = "EDGEVOX_PEOPLE_WORDS"
 WALKS = "People's orders to a robot that they drove by voice"
 HOUSE = "People's orders to a robot in a house"
+GOING = frozenset({"Motion", "Change_direction"})
 GOES, OTHER = "ask it to go", "ask for what it cannot, or for nothing"
 
 
@@ -94,7 +96,7 @@ def _house(rows: Sequence[Mapping[str, Any]]) -> tuple[list[Figure], tuple[str, 
     for row in rows:
         if row["language"] != "en":
             continue
-        kind = GOES if {frame for frame, _ in row["frames"]} == {"Motion"} else OTHER
+        kind = GOES if {frame for frame, _ in row["frames"]} <= GOING else OTHER
         effect = robot.effect(Transcript(row["text"], 1.0))
         counts[kind, effect] += 1
         if (kind, effect) not in {(GOES, "moves"), (OTHER, "nothing, or an answer")}:

@@ -32,14 +32,26 @@ from benchmarks.console.speech import speech
 from benchmarks.core.figures import Figure, Measured
 from benchmarks.core.stopwatch import percent_of
 from benchmarks.core.talker import Talker
-from edgevox.console.pairing import Pairing
-from edgevox.console.sessions import Role
+from edgevox.console.sessions import Pairing, Role
 
 TABLE = "The console"
 ROUNDS = 20
 LOOK_S = 20.0
 VIEWERS = 10
 PLACES = ("kitchen", "bedroom")
+SLOW_ROUNDS = 5
+SLOW = (
+    ("content", "first visit on slow 4G, a processor four times slower: to content", 2.5),
+    ("ready", "the same, to usable", 4.0),
+    ("again", "the next visit, to usable", 3.0),
+)
+SLOW_4G = {
+    "offline": False,
+    "latency": 562.5,
+    "downloadThroughput": 0.9 * 1.6e6 / 8,
+    "uploadThroughput": 0.9 * 0.75e6 / 8,
+}
+"""As Chromium's developer tools have it: milliseconds, and bytes a second."""
 PAGES = Path(__file__).with_name("pages.py")
 
 
@@ -69,6 +81,11 @@ def _driven(rounds: int, look_s: float) -> Iterator[Figure]:
             yield Figure.of(
                 "usable", TABLE, "page from click to usable", loads, "ms", wanted=1000.0
             )
+            slow = [_slow_s(page) for _ in range(min(rounds, SLOW_ROUNDS))]
+            for at, (name, what, wanted) in enumerate(SLOW):
+                yield Figure.of(
+                    f"slow_{name}", TABLE, what, [one[at] for one in slow], "s", wanted=wanted
+                )
         time.sleep(2.0)
         alone = percent_of(talker.pid, look_s)
         code = Pairing(Path(folder)).offer(Role.VIEWER).code
@@ -125,6 +142,21 @@ def _usable_ms(page: Any) -> float:
     page.reload()
     page.locator("html[data-link=ready]").wait_for()
     return float(page.evaluate("noted.ready"))
+
+
+def _slow_s(page: Any) -> tuple[float, float, float]:
+    """A phone's first visit and its next one: seconds to content, to usable, to usable again."""
+    devtools = page.context.new_cdp_session(page)
+    devtools.send("Network.enable")
+    devtools.send("Network.clearBrowserCache")
+    devtools.send("Network.emulateNetworkConditions", SLOW_4G)
+    devtools.send("Emulation.setCPUThrottlingRate", {"rate": 4})
+    first_ms = _usable_ms(page)
+    painted = "performance.getEntriesByName('first-contentful-paint')[0].startTime"
+    content_ms = float(page.evaluate(painted))
+    again_ms = _usable_ms(page)
+    devtools.detach()
+    return content_ms / 1000, first_ms / 1000, again_ms / 1000
 
 
 def _link(talker: Talker) -> str:

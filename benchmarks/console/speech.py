@@ -27,7 +27,7 @@ from edgevox.core.cancel import CancelToken
 from edgevox.core.commands import ConversationCommand, Heard, Reset, Speak
 from edgevox.core.settings import Settings
 from edgevox.voice.audio import RATE_HZ, Chunk, Samples
-from edgevox.voice.tts.pool import VoicePool
+from edgevox.voice.tts.voices import VoicePool
 from edgevox.voice.wav import resampled
 
 SAID = "go to the kitchen"

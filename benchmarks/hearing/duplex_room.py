@@ -13,11 +13,11 @@ from edgevox.core.commands import Command, Heard, Interrupt, StopSpotted
 from edgevox.core.settings import Echo
 from edgevox.voice.audio import FRAME_S, FRAME_SAMPLES, RATE_HZ, EndOfSound, Frame, rms
 from edgevox.voice.echo.played import PlayedSound
-from edgevox.voice.foreground import open_vad
 from edgevox.voice.listener import Listener
 from edgevox.voice.stop.detector import StopDetector
 from edgevox.voice.stt.speech_to_text import SpeechToText
-from edgevox.voice.wake.wakeword import WakeDetector
+from edgevox.voice.vad import open_vad
+from edgevox.voice.word_detection import WakeDetector
 
 SILENT_AFTER_S = 0.1
 AHEAD_S = 0.1

@@ -28,8 +28,8 @@ from edgevox.core.speech import Ending
 from edgevox.models import locate
 from edgevox.voice.audio import RATE_HZ, Samples
 from edgevox.voice.endpoint import ENDS_AFTER_S, Endpointer, SpeechEnded, SpeechPaused, SpeechWentOn
-from edgevox.voice.foreground import open_vad
 from edgevox.voice.stt.whisper import Whisper
+from edgevox.voice.vad import open_vad
 from training.acoustics import Half
 from training.acoustics.voices import espeak_voices, native_voices, say
 

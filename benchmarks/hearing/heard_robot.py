@@ -18,13 +18,13 @@ from edgevox.agent.turn import Turn
 from edgevox.apps.agent.models import open_decider, open_phonemes
 from edgevox.core.bus import Bus
 from edgevox.core.clock import SystemClock
-from edgevox.core.ways import Way
+from edgevox.core.commands import Way
 from edgevox.models import locate
 from edgevox.voice.audio import Samples
 from edgevox.voice.endpoint import Endpointer, SpeechEnded
-from edgevox.voice.foreground import open_vad
 from edgevox.voice.stt.speech_to_text import Transcript
 from edgevox.voice.stt.whisper import Whisper
+from edgevox.voice.vad import open_vad
 
 MODEL = "whisper-tiny.en"
 

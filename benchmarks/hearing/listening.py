@@ -7,19 +7,19 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from support.recordings import InMemory
 
 from edgevox.core.bus import Bus
 from edgevox.core.commands import Heard
 from edgevox.models import locate
 from edgevox.voice.audio import FRAME_S, FRAME_SAMPLES, RATE_HZ, Samples
 from edgevox.voice.echo.played import PlayedSound
-from edgevox.voice.foreground import open_vad
 from edgevox.voice.listener import Listener
-from edgevox.voice.sources.in_memory import InMemory
 from edgevox.voice.stop.network import ENCODER
 from edgevox.voice.stop.spotter import open_stop_spotter
 from edgevox.voice.stt.speech_to_text import SpeechToText, Transcript
-from edgevox.voice.wake.wakeword import WakeDetector
+from edgevox.voice.vad import open_vad
+from edgevox.voice.word_detection import WakeDetector
 
 
 @dataclass(frozen=True, slots=True)

@@ -38,7 +38,7 @@ from benchmarks.hearing.speech_to_text import untouched
 from benchmarks.hearing.wake_words import ENGINES, LABELS, is_heard, judged
 from edgevox.agent.skills import Call, SkillSet
 from edgevox.models import ModelMissing, locate
-from edgevox.ros2.robot_file.load import load_robot_file
+from edgevox.ros2.robot_file.format import load_robot_file
 from edgevox.ros2.robot_file.skills import described_skills
 from edgevox.voice.audio import RATE_HZ, Samples
 from edgevox.voice.stop.network import ENCODER

@@ -20,10 +20,11 @@ from benchmarks.hearing.stop_words.english import need
 from benchmarks.hearing.stop_words.sounds import talk, tracks
 from edgevox.models import ModelMissing, locate
 from edgevox.voice.audio import FRAME_S, RATE_HZ, Samples
-from edgevox.voice.foreground import open_vad
-from edgevox.voice.tts.pool import VoicePool
+from edgevox.voice.tts.voices import VoicePool
+from edgevox.voice.vad import open_vad
 from edgevox.voice.wake.micro import MicroWakeWord
-from edgevox.voice.wake.wakeword import WakeDetector, WakeWord
+from edgevox.voice.wake.wakeword import WakeWord
+from edgevox.voice.word_detection import WakeDetector
 from training.acoustics import Half
 
 Judged = tuple[Samples, float]

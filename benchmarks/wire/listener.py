@@ -17,7 +17,7 @@ from std_msgs.msg import Float32, String
 
 from edgevox.ros2.contract import PUBLISHED
 from edgevox.ros2.contract_rows import STRING
-from edgevox.ros2.qos import profile
+from edgevox.ros2.messages import profile
 from tf2_msgs.msg import TFMessage
 
 IMAGE_QOS = QoSProfile(depth=5, reliability=ReliabilityPolicy.BEST_EFFORT)

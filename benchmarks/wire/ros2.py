@@ -26,7 +26,7 @@ from edgevox.core.agent_events import AgentEvent, GoalChanged, GoalStatus
 from edgevox.robots.flat.apartment import ApartmentRobot
 from edgevox.ros2.contract import PUBLISHED, RATED, Rated
 from edgevox.ros2.contract_rows import STRING, Published
-from edgevox.ros2.qos import profile
+from edgevox.ros2.messages import profile
 
 MESSAGES = "Publishing one message, from the event to the wire"
 TRIPS = "Round trips over ROS 2"

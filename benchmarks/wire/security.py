@@ -23,14 +23,14 @@ from std_msgs.msg import String
 from benchmarks import ROOT
 from benchmarks.core.figures import Figure, Measured, NotHere
 from benchmarks.core.talker import isolate
-from edgevox.apps.doctor.runner import probe_apart
+from edgevox.core.probe import probe_apart
 
 TABLE = "A round trip over ROS 2, with DDS security and without"
 SIZES = {100: "100 bytes", 4_000: "4 kB", 32_000: "32 kB"}
 TOOLS, NAMESPACE, NODE = "/tools", "/edgevox", "edgevox"
 SAID, ECHOED = "text_input", "response"
 """What tools may say to a robot, and it to them."""
-PROBE = "edgevox.ros2.doctor.middleware_build:middleware_build"
+PROBE = "edgevox.ros2.doctor:middleware_build"
 FIRST = 20
 """Trips that do not count: what is discovered, exchanged and cached once."""
 

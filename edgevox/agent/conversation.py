@@ -44,6 +44,7 @@ from edgevox.core.commands import (
     StopSpotted,
     TextInput,
     Transcribing,
+    Way,
 )
 from edgevox.core.events import Outcome, State, Transcribed, TurnEnded
 from edgevox.core.files.text import MAX_CHARACTERS, clean
@@ -52,7 +53,6 @@ from edgevox.core.motion.interlock import Interlock
 from edgevox.core.reason import Reason
 from edgevox.core.settings import Confirm
 from edgevox.core.speech import TextToSpeech
-from edgevox.core.ways import Way
 
 log = get_logger(__name__)
 

@@ -6,11 +6,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 from edgevox.core.clock import Clock, SystemClock
-from edgevox.core.commands import Heard, RunSkill, Speak, TextInput
+from edgevox.core.commands import Heard, RunSkill, Speak, TextInput, Way
 from edgevox.core.errors import Refusal
 from edgevox.core.files.text import MAX_CHARACTERS, clean
 from edgevox.core.log import get_logger
-from edgevox.core.ways import Way
 
 log = get_logger(__name__)
 

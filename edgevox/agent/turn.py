@@ -9,7 +9,7 @@ from edgevox.agent.skills import Call
 from edgevox.core.bus import Bus
 from edgevox.core.cancel import CancelToken
 from edgevox.core.clock import Clock
-from edgevox.core.commands import Hypothesis
+from edgevox.core.commands import Hypothesis, Way
 from edgevox.core.events import (
     Decided,
     Outcome,
@@ -19,7 +19,6 @@ from edgevox.core.events import (
     TurnMeasured,
 )
 from edgevox.core.speech import Spoken, TextToSpeech, Utterance
-from edgevox.core.ways import Way
 
 
 @dataclass(frozen=True, slots=True)

@@ -15,9 +15,8 @@ from edgevox.apps.fleet import FLEET_PORT, serve_fleet
 from edgevox.apps.folders import console_folder
 from edgevox.apps.run_program import run_program
 from edgevox.apps.streams import show, with_streams
-from edgevox.core.errors import EdgeVoxError, InvalidValue
+from edgevox.core.errors import EdgeVoxError, InvalidValue, install_extra
 from edgevox.core.files.text import one_line
-from edgevox.core.process.extras import install_extra
 from edgevox.core.settings import Settings, load_settings
 
 SETTINGS = ("console_host", "console_port", "console_tls", "console_names", "console_folder")
@@ -49,9 +48,8 @@ def _prepare(argv: Sequence[str]) -> Callable[[], bool]:
 
 
 def _pair(arguments: argparse.Namespace, settings: Settings, folder: Path) -> bool:
-    from edgevox.console.pairing import Pairing
-    from edgevox.console.sessions import Role
-    from edgevox.console.url import console_url
+    from edgevox.console.sessions import Pairing, Role
+    from edgevox.console.tls import console_url
 
     role = Role.VIEWER if arguments.viewer else Role.OPERATOR
     code = Pairing(folder).offer(role)
@@ -101,7 +99,7 @@ def _revoke(arguments: argparse.Namespace, _settings: Settings, folder: Path) ->
 
 def _ca(arguments: argparse.Namespace, settings: Settings, folder: Path) -> bool:
     from edgevox.console.certificates import own_tls
-    from edgevox.console.open_console import found_names, names_of
+    from edgevox.console.console_server import found_names, names_of
 
     if arguments.new:
         for name in ("ca.crt", "ca.key", "console.crt", "console.key"):

@@ -16,6 +16,8 @@ DOCTOR = "doctor"
 """The first argument that asks for the doctor instead."""
 LISTEN = "listen"
 """The first argument that shows what is heard instead."""
+STATE = "state"
+"""The first argument that exports or imports what a robot keeps instead."""
 OF_ROBOTS = FOR_BODIES | {
     "frame_prefix",
     "odom_frame",
@@ -39,6 +41,10 @@ def main(argv: Sequence[str] | None = None) -> int:
         from edgevox.apps.doctor.command import main as doctor
 
         return doctor(given[1:], f"edgevox {DOCTOR}")
+    if given[:1] == [STATE]:
+        from edgevox.apps.state import main as state
+
+        return state(given[1:])
     return _run(given)
 
 
@@ -48,7 +54,7 @@ def _run(given: Sequence[str]) -> int:
     arguments = _parser().parse_args(own)
 
     def prepare() -> Callable[[], bool]:
-        from edgevox.apps.agent.serve import serve
+        from edgevox.apps.agent.build import serve
 
         settings = load_settings(given_flags(arguments), arguments.config)
         set_up_logs("edgevox", settings)
@@ -62,7 +68,8 @@ def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog="edgevox",
         description="A voice agent to talk to. edgevox-agent is one with a robot's body;"
-        " edgevox listen shows what a microphone hears; edgevox doctor checks this machine.",
+        " edgevox listen shows what a microphone hears; edgevox doctor checks this machine;"
+        " edgevox state moves what a robot keeps to another computer.",
         epilog="Settings come from a --config file, then EDGEVOX_* variables, then these flags.",
     )
     parser.add_argument("--version", action="version", version=__version__)

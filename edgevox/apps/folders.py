@@ -19,9 +19,17 @@ def written_folders(
     out = settings.audio_out
     sound = [Path(out).absolute().parent] if out.lower().endswith(".wav") else []
     temporary = Path(tempfile.gettempdir())
-    places = places_folder(settings, environment)
+    needed = needed_folders(settings, environment)
+    return (default_root(environment), ros_logs(environment), temporary, *needed, *sound)
+
+
+def needed_folders(
+    settings: Settings, environment: Mapping[str, str] = os.environ
+) -> tuple[Path, ...]:
+    """Return the folders of what is to be kept: places, sound, the console's own, recordings."""
+    console = [console_folder(settings, environment), recordings_folder(settings, environment)]
     kept = [settings.keep_audio.expanduser()] if settings.keep_audio else []
-    return (default_root(environment), ros_logs(environment), temporary, places, *sound, *kept)
+    return (places_folder(settings, environment), *kept, *(console if settings.console else ()))
 
 
 def console_folder(settings: Settings, environment: Mapping[str, str] = os.environ) -> Path:

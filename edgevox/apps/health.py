@@ -1,8 +1,9 @@
 """`edgevox-health`: asks a node that runs on this machine whether it is well; 0 if it is, else 1.
 
 With `--drain` it has an agent let what moves come to its end and begin nothing new, and waits until
-its robot stands. Run every few seconds by container engines, it imports nothing that is slow to
-import.
+its robot stands. With `--end-frozen` it kills an agent that is frozen, and the container's restart
+policy starts it again: Docker restarts what ended, and not what is only unhealthy. Run every few
+seconds by container engines, it imports nothing that is slow to import.
 """
 
 import argparse
@@ -10,8 +11,13 @@ import http.client
 import ipaddress
 import json
 import os
+import re
+import signal
+import tempfile
 import time
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import suppress
+from pathlib import Path
 
 from edgevox.apps.streams import show, with_streams
 from edgevox.core.files.text import one_line
@@ -20,6 +26,14 @@ WELL, UNWELL, USAGE_ERROR = 0, 1, 2
 PORT, HOST = "EDGEVOX_HEALTH_PORT", "EDGEVOX_HEALTH_HOST"
 LOOPBACK = {4: "127.0.0.1", 6: "::1"}
 TIMEOUT_S = 3.0
+FROZEN_TIMEOUT_S = 1.2
+"""With `--end-frozen` a health check asks twice, and must have ended before its engine ends it."""
+FROZEN_CHECKS = 4
+"""So many checks in a row that `/live` did not pass mean that the agent is frozen."""
+AGENT = re.compile(r"^Name:\t(edgevox|edgevox-agent)$.*^PPid:\t1$", re.MULTILINE | re.DOTALL)
+"""What /proc tells of the program of a container, and not of one that somebody's shell started."""
+FROZEN_NOTE = Path(tempfile.gettempdir(), "edgevox-health-frozen")
+"""The number of such checks until now; not there before `/live` has passed once."""
 DRAIN = "/drain"
 LOOK_S = 0.2
 """Seconds between two looks at a drain."""
@@ -35,13 +49,50 @@ def main(argv: Sequence[str] | None = None) -> int:
         show(f"edgevox-health: {PORT} or --port: a port from 1 to 65535", error=True)
         return USAGE_ERROR
     look = _drain if arguments.path == DRAIN else _ask
+    host = reachable(arguments.host)
     try:
-        status, text = look(reachable(arguments.host), arguments.port, arguments.path)
+        timeout_s = FROZEN_TIMEOUT_S if arguments.end_frozen else TIMEOUT_S
+        status, text = look(host, arguments.port, arguments.path, timeout_s=timeout_s)
     except (OSError, http.client.HTTPException) as error:
         show(f"edgevox-health: {arguments.host}:{arguments.port}: {error}", error=True)
-        return UNWELL
-    show(one_line(_readable(text)))
+        status = 0
+    else:
+        show(one_line(_readable(text)))
+    if arguments.end_frozen:
+        _note_frozen(status == http.client.OK or _lives(host, arguments.port))
     return WELL if status == http.client.OK else UNWELL
+
+
+def _lives(host: str, port: int) -> bool:
+    try:
+        return _ask(host, port, "/live", timeout_s=FROZEN_TIMEOUT_S)[0] == http.client.OK
+    except (OSError, http.client.HTTPException):
+        return False
+
+
+def _note_frozen(lives: bool) -> None:
+    """Count the checks of an agent that is frozen; after the last, kill it."""
+    try:
+        before = int(FROZEN_NOTE.read_text("utf-8"))
+    except (OSError, ValueError):
+        before = None
+    if lives and before != 0:
+        FROZEN_NOTE.write_text("0", "utf-8")
+    elif not lives and before is not None and before + 1 < FROZEN_CHECKS:
+        FROZEN_NOTE.write_text(str(before + 1), "utf-8")
+    elif not lives and before is not None:
+        FROZEN_NOTE.unlink()
+        show(f"edgevox-health: frozen for {FROZEN_CHECKS} checks; killing it", error=True)
+        for agent in agents_of_init():
+            os.kill(agent, signal.SIGKILL)
+
+
+def agents_of_init(proc: Path = Path("/proc")) -> Iterator[int]:
+    """The agents that process 1 started."""
+    for status in proc.glob("[0-9]*/status"):
+        with suppress(OSError):
+            if AGENT.search(status.read_text("utf-8", "replace")):
+                yield int(status.parent.name)
 
 
 def reachable(host: str) -> str:
@@ -72,6 +123,11 @@ def _parser() -> argparse.ArgumentParser:
             help=about,
         )
     parser.add_argument(
+        "--end-frozen",
+        action="store_true",
+        help=f"in a container: kill an agent that {FROZEN_CHECKS} checks in a row found frozen",
+    )
+    parser.add_argument(
         "--port",
         type=int,
         default=os.environ.get(PORT, "0"),
@@ -85,13 +141,13 @@ def _parser() -> argparse.ArgumentParser:
     return parser
 
 
-def _drain(host: str, port: int, path: str) -> tuple[int, str]:
+def _drain(host: str, port: int, path: str, *, timeout_s: float) -> tuple[int, str]:
     """Begin it, and ask until it is over or later than it said. Raises where the agent has gone."""
-    status, text = _ask(host, port, path, "PUT")
+    status, text = _ask(host, port, path, "PUT", timeout_s=timeout_s)
     until_s = time.monotonic() + _within_s(text) + MARGIN_S
     while status == http.client.ACCEPTED and time.monotonic() < until_s:
         time.sleep(LOOK_S)
-        status, text = _ask(host, port, path)
+        status, text = _ask(host, port, path, timeout_s=timeout_s)
     return status, text
 
 
@@ -102,8 +158,10 @@ def _within_s(text: str) -> float:
         return 0.0
 
 
-def _ask(host: str, port: int, path: str, method: str = "GET") -> tuple[int, str]:
-    connection = http.client.HTTPConnection(host, port, timeout=TIMEOUT_S)
+def _ask(
+    host: str, port: int, path: str, method: str = "GET", *, timeout_s: float
+) -> tuple[int, str]:
+    connection = http.client.HTTPConnection(host, port, timeout=timeout_s)
     try:
         connection.request(method, path)
         answer = connection.getresponse()

@@ -13,8 +13,8 @@ from edgevox.core.bus import Bus
 from edgevox.core.files.user_file import size_bytes
 from edgevox.core.settings import Settings
 from edgevox.core.status import Components
-from edgevox.ops.diagnostics.process import count_threads
 from edgevox.ops.health import Health
+from edgevox.ops.machine import count_threads
 from edgevox.ros2 import Bridge
 
 if TYPE_CHECKING:

@@ -5,7 +5,10 @@
 
 import argparse
 import math
+import os
+import signal
 import sys
+import threading
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass
@@ -17,11 +20,15 @@ from typing import TYPE_CHECKING
 from edgevox import __version__
 from edgevox.apps.flags import add_flags, given_flags
 from edgevox.apps.metrics import serve_recorders_metrics
-from edgevox.apps.run_program import run_program, secure_ros2, set_up_logs
-from edgevox.apps.shutdown_signals import ShutdownSignals, Terminated
+from edgevox.apps.run_program import (
+    ShutdownSignals,
+    Terminated,
+    run_program,
+    secure_ros2,
+    set_up_logs,
+)
 from edgevox.apps.streams import show, with_streams
-from edgevox.core.errors import EdgeVoxError, InvalidValue
-from edgevox.core.process.extras import install_extra
+from edgevox.core.errors import EdgeVoxError, InvalidValue, install_extra
 from edgevox.core.settings import Settings, load_settings
 from edgevox.core.status import Components
 from edgevox.ops.health import Health
@@ -188,6 +195,18 @@ def main(argv: Sequence[str] | None = None) -> int:
     for text in lost:
         show(f"edgevox-recorder: {text}", error=True)
     return code or (NOT_ALL_RECORDED if lost else code)
+
+
+def main_under_agent() -> int:
+    """Run it as the console does; it ends with its standard input, which the agent holds."""
+    threading.Thread(target=_end_with_agent, name="agent", daemon=True).start()
+    return main()
+
+
+def _end_with_agent() -> None:
+    while os.read(sys.stdin.fileno(), 1):
+        pass
+    os.kill(os.getpid(), signal.SIGTERM)
 
 
 def _prepare(argv: Sequence[str], lost: list[str]) -> Callable[[], bool]:

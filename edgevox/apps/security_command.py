@@ -4,20 +4,22 @@ It works on a keystore, which stays with whoever runs the robots; robots and lap
 """
 
 import argparse
+import base64
 import os
 import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import yaml
+
 from edgevox import __version__
-from edgevox.apps.dds_security import domain_of
 from edgevox.apps.run_program import run_program
 from edgevox.apps.streams import show, with_streams
-from edgevox.core.errors import EdgeVoxError, InvalidValue
-from edgevox.core.process.extras import install_extra
+from edgevox.core.errors import EdgeVoxError, InvalidValue, install_extra
 from edgevox.core.settings import check_settings
 from edgevox.security.documents import LAST_DOMAIN
+from edgevox.security.startup import domain_of
 
 if TYPE_CHECKING:
     from edgevox.security.keystore import Keystore
@@ -131,7 +133,6 @@ def _revoke(arguments: argparse.Namespace) -> bool:
 def _export(arguments: argparse.Namespace) -> bool:
     """Write the keystore of one participant, or a Kubernetes Secret with it."""
     from edgevox.security.keystore import write_export
-    from edgevox.security.kubernetes import secret
 
     files = _open(arguments).export(arguments.enclave)
     if bool(arguments.dir) == arguments.kubernetes:
@@ -246,3 +247,30 @@ def _add_arguments(add: argparse.ArgumentParser, days: Callable[[str], int]) -> 
     add.add_argument(
         "--enclave", default="", metavar="PATH", help="another name, such as /edgevox/annas_laptop"
     )
+
+
+LONGEST_NAME = 253
+
+
+def secret_name(enclave: str) -> str:
+    """What the Secret of an enclave is called: ``edgevox-security-robot1-edgevox``."""
+    return "edgevox-security" + enclave.replace("/", "-").replace("_", "-").lower()
+
+
+def secret(files: dict[str, bytes], enclave: str, name: str = "") -> str:
+    """The manifest of a Kubernetes Secret whose keys are the files of an enclave.
+
+    Raises `InvalidValue` for a bad name.
+    """
+    called = name or secret_name(enclave)
+    allowed = called.replace("-", "a").replace(".", "a")
+    if not (allowed.isascii() and allowed.isalnum() and allowed == allowed.lower()):
+        raise InvalidValue("--name", called, "lower-case letters, digits and dashes")
+    manifest = {
+        "apiVersion": "v1",
+        "kind": "Secret",
+        "metadata": {"name": called, "annotations": {"edgevox/enclave": enclave}},
+        "type": "Opaque",
+        "data": {key: base64.b64encode(data).decode() for key, data in files.items()},
+    }
+    return yaml.safe_dump(manifest, sort_keys=False)

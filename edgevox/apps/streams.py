@@ -14,7 +14,7 @@ from functools import wraps
 from typing import ParamSpec, TextIO, cast
 
 from edgevox.core.files.text import printable
-from edgevox.core.process.output_stream import OutputStream, Tell
+from edgevox.core.process import OutputStream, Tell
 
 P = ParamSpec("P")
 FAILED = 1

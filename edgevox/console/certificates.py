@@ -19,8 +19,7 @@ from cryptography.x509.oid import ExtendedKeyUsageOID, NameOID
 
 from edgevox.console.tls import Tls
 from edgevox.core.errors import InvalidValue
-from edgevox.core.files.atomic_file import PRIVATE, PUBLIC, write_atomically
-from edgevox.core.files.state_files import StateFiles
+from edgevox.core.files.state_files import PRIVATE, PUBLIC, StateFiles, write_atomically
 from edgevox.core.files.user_file import read_text
 
 AUTHORITY_DAYS = 3650

@@ -1,36 +1,36 @@
 """The console's server: a thread with its own loop, from `start` to `close`.
 
-`Liveness` tells whether it still answers: its thread, its loop, and the task that lets connections
-in.
+`open_console` makes the one that the settings want, with its address and its encryption. `sample`
+takes the robot's state as often as pages want it, and never while no page looks. `Liveness` tells
+whether the server still answers: its thread, its loop, and the task that lets connections in.
 """
 
 import asyncio
 import socket
 import threading
-from collections.abc import Callable
+from collections.abc import Awaitable, Callable
 from contextlib import suppress
+from ipaddress import ip_address
 from pathlib import Path
 
 from aiohttp import web
 
-from edgevox.console.context import ConsoleContext
+from edgevox.console.certificates import local_names, own_tls
+from edgevox.console.context import ConsoleContext, ConsoleRobot
 from edgevox.console.door import Door
 from edgevox.console.limits import BadRequests, ServerLog
 from edgevox.console.page_hub import PageHub
-from edgevox.console.pairing import Code, Pairing
-from edgevox.console.sampling import sample
-from edgevox.console.sessions import Role, Sessions
+from edgevox.console.sessions import Code, Pairing, Role, Sessions
 from edgevox.console.site import Site
-from edgevox.console.tls import CurrentTls, Tls
-from edgevox.console.url import console_url
+from edgevox.console.tls import CurrentTls, Tls, console_url
 from edgevox.core.clock import Clock, SystemClock
 from edgevox.core.errors import InvalidValue
 from edgevox.core.files.state_files import StateFiles
 from edgevox.core.log import get_logger, worth_a_line
+from edgevox.core.settings import Settings
 from edgevox.core.status import STALL_S, Finding, HealthCheck, Level, Status, lives
 
 log = get_logger(__name__)
-
 
 BEAT_S = 1.0
 
@@ -255,3 +255,120 @@ def _listen(host: str, port: int) -> socket.socket:
         ) from None
     listening.setblocking(False)
     return listening
+
+
+LIVE_S = 1 / 15
+"""Seconds between samples: a sample is this old, and some 20 ms more, just before the next one
+comes."""
+STATUS_S = 1.0
+TICK_S = 1.0
+
+
+async def sample(hub: PageHub) -> None:
+    """Tell pages how the robot is, until it is cancelled."""
+    loops = [_again(TICK_S, lambda: _tick(hub)), _again(STATUS_S, lambda: _status(hub))]
+    if hub.context.robot:
+        robot, scene = hub.context.robot, Scene(hub, hub.context.robot)
+        loops += [_again(LIVE_S, lambda: _live(hub, robot)), _again(STATUS_S, scene.look)]
+    await asyncio.gather(*loops)
+
+
+class Scene:
+    """Tells what does not move once it is another."""
+
+    def __init__(self, hub: PageHub, robot: ConsoleRobot) -> None:
+        self._hub = hub
+        self._robot = robot
+        self._told: object = None
+
+    async def look(self) -> None:
+        """Tell it where its version is another."""
+        if not self._hub.pages:
+            return
+        scene = await self._hub.work(self._robot.scene)
+        told, self._told = self._told, scene.get("version")
+        if self._told != told:
+            self._hub.tell({**scene, "type": "scene"}, "scene")
+
+
+async def _tick(hub: PageHub) -> None:
+    hub.tick()
+
+
+async def _live(hub: PageHub, robot: ConsoleRobot) -> None:
+    if any("live" in page.looks for page in hub.pages):
+        hub.tell({**await hub.work(robot.live), "type": "live"}, "live", "live")
+
+
+async def _status(hub: PageHub) -> None:
+    if any("status" in page.looks for page in hub.pages):
+        hub.tell({**await hub.work(hub.context.status), "type": "status"}, "status", "status")
+
+
+async def _again(period_s: float, look: Callable[[], Awaitable[None]]) -> None:
+    """Look so often; what is late is left out, and what breaks is looked at again."""
+    loop, broke = asyncio.get_running_loop(), 0
+    due = loop.time()
+    while True:
+        try:
+            await look()
+        except Exception as error:
+            broke += 1
+            if worth_a_line(broke):
+                log.exception("console_look_failed", error=repr(error), count=broke)
+        due = max(due + period_s, loop.time())
+        await asyncio.sleep(due - loop.time())
+
+
+def open_console(context: ConsoleContext, settings: Settings, folder: Path) -> ConsoleServer:
+    """A console that listens; who made it starts and closes it. Raises `InvalidValue`, `OSError`.
+
+    `folder` is the robot's own: who was let in, and its keys.
+    """
+    state = StateFiles()
+    tls = tls_of(settings, folder, state)
+    host, port, names = settings.console_host, settings.console_port, settings.console_names
+    return ConsoleServer(context, folder, host, port, tls=tls, names=names, state=state)
+
+
+def tls_of(settings: Settings, folder: Path, state: StateFiles | None = None) -> Tls | None:
+    """Return the encryption; None for plain HTTP. Raises `InvalidValue`, and `OSError`."""
+    if settings.console_tls == "own":
+        return own_tls(folder, names_of(settings), state=state, spare=found_names(settings))
+    if settings.console_tls == "files":
+        if not settings.console_certificate or not settings.console_key:
+            raise InvalidValue(
+                "console_tls", "files", "console_certificate and console_key beside it"
+            )
+        return Tls(settings.console_certificate.expanduser(), settings.console_key.expanduser())
+    if not settings.console_plain and not is_loopback(settings.console_host):
+        raise InvalidValue(
+            "console_tls",
+            "off",
+            "own or files where other machines can reach it, or console_plain where something "
+            "else encrypts",
+        )
+    return None
+
+
+def names_of(settings: Settings) -> tuple[str, ...]:
+    """Return the console's names for its own certificate."""
+    return local_names(_asked(settings))
+
+
+def found_names(settings: Settings) -> frozenset[str]:
+    """Return the names that this machine has by itself now, without the wanted ones."""
+    return frozenset(local_names()) - set(_asked(settings))
+
+
+def _asked(settings: Settings) -> list[str]:
+    more = [one.strip().lower() for one in settings.console_names.split(",")]
+    return [one for one in more if one]
+
+
+def is_loopback(host: str) -> bool:
+    """Return whether only this machine reaches this host."""
+    try:
+        return ip_address(host).is_loopback
+    except ValueError:
+        return host == "localhost"

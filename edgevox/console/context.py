@@ -9,12 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from edgevox.core.bus import Bus
-from edgevox.core.commands import Command, Submit
+from edgevox.core.commands import Command, Submit, Way
 from edgevox.core.controls import Controls
 from edgevox.core.motion.interlock import Interlock
 from edgevox.core.motion.software_stop import SoftwareStop
 from edgevox.core.reason import Reason
-from edgevox.core.ways import Way
 
 
 class ConsoleRobot(Protocol):

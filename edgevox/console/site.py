@@ -8,17 +8,16 @@ import asyncio
 import json
 from collections.abc import Awaitable, Callable
 from dataclasses import dataclass
-from pathlib import Path
 from urllib.parse import quote, urlsplit
 
 from aiohttp import web
 
 from edgevox.console.door import Door, cut
 from edgevox.console.limits import UNREADABLE, BadRequest, BadRequests, PageRateLimit
+from edgevox.console.page_files import PageFiles
 from edgevox.console.page_hub import PageHub
 from edgevox.console.page_messages import MOST_BYTES
-from edgevox.console.pairing import Pairing
-from edgevox.console.sessions import LAST_S, Role, Session
+from edgevox.console.sessions import LAST_S, Pairing, Role, Session
 from edgevox.console.sockets.browser_sound import MOST_BYTES as MOST_SOUND
 from edgevox.console.sockets.browser_sound import SoundLine, SoundPage
 from edgevox.console.sockets.control import ControlPage, SocketLimits
@@ -75,7 +74,6 @@ def is_own_origin(request: web.BaseRequest) -> bool:
     return origin.scheme in ("http", "https") and origin.netloc.lower() == request.host.lower()
 
 
-PAGE = Path(__file__).parent / "page"
 MOST_BODY = 4096
 MOST_NAME = 40
 """The most characters of a browser's name."""
@@ -103,6 +101,7 @@ class Site:
         self._downloads = PageRateLimit(self.clock, DOWNLOADS_PER_S, DOWNLOADS)
         self._limits = SocketLimits.usual(self.clock, self.bad)
         self._pairs = asyncio.Lock()
+        self._files = PageFiles()
         self.cookie = "__Host-edgevox" if self.secure else "edgevox"
         robot = self.hub.context.robot
         self._pictures = PictureSocket(self.hub, robot) if robot else None
@@ -123,8 +122,7 @@ class Site:
         app.router.add_get("/ws", self._control)
         app.router.add_get("/ws/view", self._view)
         app.router.add_get("/ws/sound", self._sound)
-        if PAGE.is_dir():
-            app.router.add_static("/static/", PAGE)
+        self._files.add_to(app.router)
         return app
 
     def session(self, request: web.Request) -> Session:
@@ -163,18 +161,18 @@ class Site:
 
     # The page
 
-    async def _index(self, _request: web.Request) -> web.StreamResponse:
-        return web.FileResponse(PAGE / "index.html")
+    async def _index(self, request: web.Request) -> web.StreamResponse:
+        return self._files.document(request, "index.html")
 
     async def _certificate(self, _request: web.Request) -> web.Response:
         if self.authority is None:
             raise web.HTTPNotFound
         return web.Response(body=self.authority, content_type="application/x-x509-ca-cert")
 
-    async def _instructions(self, _request: web.Request) -> web.StreamResponse:
+    async def _instructions(self, request: web.Request) -> web.StreamResponse:
         if self.authority is None:
             raise web.HTTPNotFound(text="this robot has no certificate of its own making")
-        return web.FileResponse(PAGE / "ca.html")
+        return self._files.document(request, "ca.html")
 
     # Letting in
 

@@ -1,6 +1,7 @@
-"""The console's encryption, and the replacement of a certificate that ends."""
+"""The console's URL and its encryption, and the replacement of a certificate that ends."""
 
 import hashlib
+import socket
 import ssl
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -8,6 +9,20 @@ from pathlib import Path
 
 from edgevox.core.errors import InvalidValue
 from edgevox.core.files.user_file import LARGEST_TEXT_BYTES, open_file
+
+_EVERYWHERE = ("0.0.0.0", "::", "")  # noqa: S104
+
+
+def console_url(host: str, port: int, secure: bool, names: str = "") -> str:
+    """The address of the page.
+
+    Where it listens on all addresses of the machine, that is by the first of its `names`, with
+    commas between, or else by the machine's.
+    """
+    first = names.partition(",")[0].strip()
+    named = (first or socket.gethostname()) if host in _EVERYWHERE else host
+    shown = f"[{named}]" if ":" in named else named
+    return f"{'https' if secure else 'http'}://{shown}:{port}"
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,11 +1,33 @@
-"""Commands to EdgeVox, from a person, a ROS 2 node or a script."""
+"""Commands to EdgeVox, from a person, a ROS 2 node or a script, and the ways by which they come."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from enum import StrEnum
 from typing import Any, Protocol
 
 from edgevox.core.events import Cause
-from edgevox.core.ways import Way
+
+
+class Way(StrEnum):
+    """A way in. A page in the browser has one for each role."""
+
+    VOICE = "voice"
+    TYPED = "typed"
+    TEXT_INPUT = "text_input"
+    COMMAND = "command"
+    ACTION = "action"
+    GOAL_POSE = "goal_pose"
+    CMD_VEL = "cmd_vel"
+    CONSOLE_VIEWER = "console_viewer"
+    CONSOLE_OPERATOR = "console_operator"
+
+    @property
+    def attended(self) -> bool:
+        """True if the way has a person whom the robot can ask back, in words."""
+        return self not in _UNATTENDED
+
+
+_UNATTENDED = frozenset({Way.COMMAND, Way.ACTION, Way.GOAL_POSE, Way.CMD_VEL})
 
 
 @dataclass(frozen=True, slots=True)

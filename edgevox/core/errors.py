@@ -72,3 +72,12 @@ def shorten(value: object, limit: int = 80) -> str:
         return text
     keep = (limit - 1) // 2
     return f"{text[:keep]}…{text[-keep:]}"
+
+
+def install_extra(extra: str) -> str:
+    """The command that installs an extra, and the folder to run it in.
+
+    From EdgeVox's own folder, and never by a name that a package index looks up: there the name of
+    this import package belongs to somebody else.
+    """
+    return f"pip install '.[{extra}]' in EdgeVox's folder"

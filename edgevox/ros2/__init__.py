@@ -4,8 +4,14 @@ The only package that imports rclpy. Imports core, robots, voice, ops and scenar
 skills, reasons and policy.
 """
 
-from edgevox.ros2.bridge_context import BridgeContext
-from edgevox.ros2.open import Bridge, NullBridge, open_bridge, open_node_handle, split_ros_args
+from edgevox.ros2.open import (
+    Bridge,
+    BridgeContext,
+    NullBridge,
+    open_bridge,
+    open_node_handle,
+    split_ros_args,
+)
 
 __all__ = [
     "Bridge",

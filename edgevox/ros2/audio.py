@@ -12,10 +12,10 @@ from rclpy.node import Node
 
 from edgevox.core.errors import Refusal
 from edgevox.core.log import get_logger
-from edgevox.ros2.qos import profile
+from edgevox.ros2.messages import profile
 from edgevox.ros2.standard_topics import AUDIO_IN, AUDIO_OUT
 from edgevox.voice.audio import RATE_HZ, Samples
-from edgevox.voice.sinks.relay import Relay
+from edgevox.voice.sinks.paced import Relay
 from edgevox.voice.sources.pushed import Pushed
 from edgevox_msgs.msg import AudioData
 

@@ -23,24 +23,22 @@ from rclpy.parameter import Parameter as RosParameter
 from std_srvs.srv import Trigger
 
 from edgevox.core.bus import Bus
-from edgevox.core.commands import RunSkill
+from edgevox.core.commands import RunSkill, Way
 from edgevox.core.controls import Controls, Value
 from edgevox.core.errors import InvalidValue
 from edgevox.core.events import ControlChanged
 from edgevox.core.log import get_logger
 from edgevox.core.status import Component, Components, Status
-from edgevox.core.ways import Way
 from edgevox.robots.capabilities import Body
 from edgevox.robots.node_handle import OnRos2
 from edgevox.ros2.backlog import Backlog
-from edgevox.ros2.bridge_context import BridgeContext
-from edgevox.ros2.bridge_status import ExecutorComponent, ExecutorCounts
 from edgevox.ros2.contract import DIAGNOSTICS, PARAMETERS, QUERIES, Queries, answer_json
 from edgevox.ros2.interop import Interop
 from edgevox.ros2.logs import Rosout
+from edgevox.ros2.messages import profile
 from edgevox.ros2.node import RosBridgeFailed, RosNode
+from edgevox.ros2.open import BridgeContext, ExecutorComponent, ExecutorCounts
 from edgevox.ros2.presence import Presence
-from edgevox.ros2.qos import profile
 from edgevox.ros2.skill_action import open_skill_action
 from edgevox.ros2.ticker import MakeTicker, Ticker
 from edgevox.ros2.topics import Topics

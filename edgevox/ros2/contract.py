@@ -4,6 +4,8 @@ Topics are relative to the node's namespace unless they begin with a slash. The 
 rows, `scripts/reference.py` writes the reference page from them, the conformance test checks them.
 """
 
+import json
+import math
 from collections.abc import Callable, Mapping
 from dataclasses import asdict
 from typing import Any
@@ -47,8 +49,31 @@ from edgevox.ros2.contract_rows import (
     StandardTopic,
     Subscribed,
 )
-from edgevox.ros2.messages import write
 from edgevox.ros2.standard_topics import INTEROP
+
+_ENCODER = json.JSONEncoder(ensure_ascii=False, allow_nan=False, default=str)
+"""The shared encoder: `json.dumps` makes a new one for each call with options."""
+
+
+def write(data: Mapping[str, Any]) -> str:
+    """Write a JSON object that every parser reads: a number that is not finite becomes null."""
+    try:
+        text = _ENCODER.encode(data)
+        text.encode()
+    except ValueError:
+        return json.dumps(_finite(data), default=str)
+    return text
+
+
+def _finite(value: Any) -> Any:
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    if isinstance(value, Mapping):
+        return {str(key): _finite(one) for key, one in value.items()}
+    if isinstance(value, list | tuple):
+        return [_finite(one) for one in value]
+    return value
+
 
 Queries = Mapping[str, Callable[[], Mapping[str, Any]]]
 """Functions that answer queries, by name."""

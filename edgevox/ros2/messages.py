@@ -1,38 +1,12 @@
-"""Conversions to ROS 2 messages: poses, and JSON that every parser reads, whatever its numbers."""
-
-import json
-import math
-from collections.abc import Mapping
-from typing import Any
+"""ROS 2 messages of poses, and the contract's qualities of service as rclpy wants them."""
 
 from builtin_interfaces.msg import Time
 from geometry_msgs.msg import Point, Pose, Quaternion, Transform, TransformStamped, Vector3
+from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
 from std_msgs.msg import Header
 
 from edgevox.core.transforms import Pose3D
-
-_ENCODER = json.JSONEncoder(ensure_ascii=False, allow_nan=False, default=str)
-"""The shared encoder: `json.dumps` makes a new one for each call with options."""
-
-
-def write(data: Mapping[str, Any]) -> str:
-    """Write a JSON object that every parser reads: a number that is not finite becomes null."""
-    try:
-        text = _ENCODER.encode(data)
-        text.encode()
-    except ValueError:
-        return json.dumps(_finite(data), default=str)
-    return text
-
-
-def _finite(value: Any) -> Any:
-    if isinstance(value, float) and not math.isfinite(value):
-        return None
-    if isinstance(value, Mapping):
-        return {str(key): _finite(one) for key, one in value.items()}
-    if isinstance(value, list | tuple):
-        return [_finite(one) for one in value]
-    return value
+from edgevox.ros2.contract_rows import Qos, QosSpec
 
 
 def header(frame: str, stamp: Time) -> Header:
@@ -70,3 +44,30 @@ def pose_of_transform(message: Transform) -> Pose3D:
 
 def _turn(pose: Pose3D) -> Quaternion:
     return Quaternion(x=pose.qx, y=pose.qy, z=pose.qz, w=pose.qw)
+
+
+INTERFACE_DEPTH = 10
+"""Messages of a robot's own interface that may wait."""
+
+
+def profile(qos: Qos | QosSpec, *, at_least: int = 0) -> QoSProfile:
+    """Convert a quality of service, with room for at least `at_least` messages."""
+    spec = qos.value if isinstance(qos, Qos) else qos
+    return QoSProfile(
+        history=HistoryPolicy.KEEP_LAST,
+        depth=max(spec.depth, at_least),
+        reliability=ReliabilityPolicy.RELIABLE if spec.reliable else ReliabilityPolicy.BEST_EFFORT,
+        durability=(
+            DurabilityPolicy.TRANSIENT_LOCAL if spec.transient_local else DurabilityPolicy.VOLATILE
+        ),
+    )
+
+
+def interface_profile(*, latched: bool, heard: bool) -> QoSProfile:
+    """Return the profile for a robot's own topic, whose quality of service is unknown.
+
+    Best effort matches every publisher; a latched topic is kept, and therefore reliable.
+    """
+    if latched:
+        return profile(QosSpec(depth=1, reliable=True, transient_local=True))
+    return profile(QosSpec(depth=INTERFACE_DEPTH, reliable=not heard, transient_local=False))

@@ -14,7 +14,7 @@ from contextlib import contextmanager, suppress
 from enum import StrEnum
 from pathlib import Path
 
-from edgevox.core.files.atomic_file import sync_folder
+from edgevox.core.files.state_files import sync_folder
 from edgevox.core.files.user_file import size_bytes
 
 PREFIX = "edgevox-"
@@ -22,6 +22,8 @@ PREFIX = "edgevox-"
 OPEN = ".open"
 BROKEN = ".broken"
 METADATA = "metadata.yaml"
+UPLOAD_FAILED = "upload.failed"
+"""Beside the recordings for as long as the uploader's runs fail; it makes and removes the file."""
 _NUMBER = re.compile(r"_(\d+)\.mcap")
 
 

@@ -131,7 +131,7 @@ EXTERNAL: tuple[StandardTopic, ...] = (
         "out",
         reliable(1),
         "velocities, if EdgeVox steers",
-        "no goal_pose",
+        "no goal_pose, or a distance or an angle is asked",
     ),
     StandardTopic(
         "goal_pose",

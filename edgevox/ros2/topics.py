@@ -10,16 +10,15 @@ from std_msgs.msg import Float32, String
 
 from edgevox.agent.policy import CheckedCall, Denied
 from edgevox.core.agent_events import AgentEvent
-from edgevox.core.commands import CancelProgram, Reset
+from edgevox.core.commands import CancelProgram, Reset, Way
 from edgevox.core.errors import EdgeVoxError, InvalidValue, Refusal
 from edgevox.core.events import RobotState
 from edgevox.core.log import get_logger
-from edgevox.core.ways import Way
 from edgevox.ros2.backlog import Backlog
-from edgevox.ros2.bridge_context import BridgeContext
 from edgevox.ros2.contract import PUBLISHED, SUBSCRIBED
 from edgevox.ros2.contract_rows import STRING, Published, Subscribed
-from edgevox.ros2.qos import profile
+from edgevox.ros2.messages import profile
+from edgevox.ros2.open import BridgeContext
 from edgevox.ros2.ticker import Ticker
 
 log = get_logger(__name__)

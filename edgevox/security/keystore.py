@@ -17,7 +17,7 @@ from cryptography import x509
 from pydantic import TypeAdapter
 
 from edgevox.core.errors import EdgeVoxError, InvalidValue
-from edgevox.core.files.atomic_file import PRIVATE, PUBLIC, write_atomically
+from edgevox.core.files.state_files import PRIVATE, PUBLIC, write_atomically
 from edgevox.core.files.user_file import read_text
 from edgevox.security.documents import governance, permissions
 from edgevox.security.enclave_certificates import (

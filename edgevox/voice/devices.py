@@ -12,8 +12,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any, Literal
 
-from edgevox.core.errors import EdgeVoxError
-from edgevox.core.process.extras import install_extra
+from edgevox.core.errors import EdgeVoxError, install_extra
 
 Kind = Literal["input", "output"]
 

@@ -39,7 +39,7 @@ from edgevox.voice.stt.speech_to_text import SpeechToText
 from edgevox.voice.transcriber import Transcriber, TranscriptionJob
 from edgevox.voice.vad import VoiceDetector
 from edgevox.voice.wake.gate import WakeDecision, WakeGate
-from edgevox.voice.wake.wakeword import WakeDetector
+from edgevox.voice.word_detection import WakeDetector
 
 log = get_logger(__name__)
 

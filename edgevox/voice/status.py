@@ -2,9 +2,17 @@
 
 from edgevox.core.clock import Clock
 from edgevox.core.controls import Controls
-from edgevox.core.gauges import Gauges
 from edgevox.core.languages import LANGUAGES
-from edgevox.core.status import Finding, HealthCheck, Level, RecentIncrease, Status, fault_of, lives
+from edgevox.core.status import (
+    Finding,
+    Gauges,
+    HealthCheck,
+    Level,
+    RecentIncrease,
+    Status,
+    fault_of,
+    lives,
+)
 from edgevox.voice.audio import AudioSink, AudioSource
 from edgevox.voice.listener import Listener
 from edgevox.voice.speech_output import SpeechOutput

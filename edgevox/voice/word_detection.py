@@ -1,4 +1,4 @@
-"""One detection per word, and sleep for the networks while nobody speaks.
+"""What detectors of words share: one detection per word, and sleep while nobody speaks.
 
 A network finds a word in every window that holds it; `OncePerWord` counts it once.
 
@@ -8,6 +8,7 @@ and given to it as soon as there may be a voice. It runs on for a moment after t
 
 from collections import deque
 from collections.abc import Sequence
+from typing import Protocol
 
 from edgevox.voice.audio import FRAME_S, Samples
 
@@ -17,6 +18,30 @@ AWAKE_S = 1.0
 """Seconds that the networks stay awake after the last frame that may hold a voice."""
 KEPT_S = 2.0
 """Seconds of earlier sound that the networks get when they wake."""
+QUIET_S = 2.0
+"""Seconds in which a wake word counts once: each window that holds it reports it."""
+
+
+class WakeDetector(Protocol):
+    """Hears one phrase."""
+
+    phrase: str
+
+    @property
+    def likelihood(self) -> float:
+        """The likelihood at the networks' last look that the phrase had just ended, 0 to 1."""
+
+    def heard(self, samples: Samples, probability: float) -> bool:
+        """Take the next frame, with its probability of voice; True once for each time it is said.
+
+        That is within 0.15 s of its end.
+        """
+
+    def reset(self) -> None:
+        """Forget what was heard: the next frame does not follow on it."""
+
+    def close(self) -> None:
+        """Free what it holds."""
 
 
 class WakeSleep:

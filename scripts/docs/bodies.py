@@ -12,6 +12,7 @@ from edgevox.robots.humanoid.skills import walking_skills
 from edgevox.robots.navigation import LOCATION, navigation_skills
 from edgevox.robots.panda.skills import manipulation_skills
 from edgevox.robots.places.memory import PlaceMemory
+from edgevox.robots.relative_skills import driving_skills
 
 
 class Elsewhere:
@@ -35,14 +36,20 @@ class Apartment(Elsewhere):
 ROOMS = OneOf(tuple(Elsewhere.places), {"fridge": "kitchen"})
 SKILLS: Mapping[str, SkillSet] = {
     "apartment": SkillSet(
-        navigation_skills(
-            Apartment(), aliases={"fridge": "kitchen"}, memory=PlaceMemory("apartment", ROOMS)
-        )
+        [
+            *navigation_skills(
+                Apartment(), aliases={"fridge": "kitchen"}, memory=PlaceMemory("apartment", ROOMS)
+            ),
+            *driving_skills(Elsewhere()),
+        ]
     ),
     "panda": SkillSet(manipulation_skills(Elsewhere())),
     "humanoid": SkillSet(walking_skills(Elsewhere())),
     "external": SkillSet(
-        navigation_skills(Elsewhere(), word=LOCATION, memory=PlaceMemory("external", ROOMS))
+        [
+            *navigation_skills(Elsewhere(), word=LOCATION, memory=PlaceMemory("external", ROOMS)),
+            *driving_skills(Elsewhere()),
+        ]
     ),
 }
 """The skills of each robot, without the robot."""

@@ -9,7 +9,7 @@ from edgevox.apps.terminal import lines
 from edgevox.core.files import text, user_file
 from edgevox.ops import http_server
 from edgevox.robots.world import load as world
-from edgevox.ros2 import audio, skill_requests
+from edgevox.ros2 import audio, skill_action
 from edgevox.ros2.external import locations
 from edgevox.ros2.recorder import disk as write_queue
 from edgevox.scenario import format as scenario
@@ -25,7 +25,7 @@ def bounds() -> str:
         "a line on standard input": f"{lines.MAX_LINE_BYTES >> 20} MB, of which "
         f"{text.MAX_CHARACTERS:,} characters count",
         f"`{audio.TOPIC_IN}`": f"{audio_s:g} s a message",
-        "arguments of `execute_skill`": f"{skill_requests.MAX_ARGUMENTS_BYTES >> 10} KB",
+        "arguments of `execute_skill`": f"{skill_action.MAX_ARGUMENTS_BYTES >> 10} KB",
         "a request to health or metrics": f"{http_server.MOST_BYTES >> 10} KB, "
         f"{http_server.REQUEST_S:g} s, {http_server.MOST_AT_ONCE} at once; beyond that, the "
         "oldest connection of the address with the most connections is closed",

@@ -1,16 +1,19 @@
 """The tables of docs/deployment.md and docs/monitoring.md, for those who operate a robot."""
 
+import tomllib
 from collections.abc import Iterable, Mapping
+from functools import cache
+from importlib.resources import files
 from pathlib import Path
 
 import yaml
+from pydantic import BaseModel, ConfigDict, TypeAdapter
 
+from docs.components import COMPONENTS
 from docs.markdown import table
 from docs.told import told
 from edgevox.apps.container import ENVIRONMENT, Variable
 from edgevox.apps.doctor.checks import CHECKS
-from edgevox.ops.diagnostics.component_table import COMPONENTS
-from edgevox.ops.logs.event_table import log_events
 from edgevox.ops.metrics.metric_table import METRICS
 
 ALERTS = Path(__file__).resolve().parents[2] / "compose" / "observability" / "alerts.yml"
@@ -61,6 +64,23 @@ def _labels(labels: Mapping[str, tuple[str, ...] | str]) -> str:
         f"`{name}`: {known if isinstance(known, str) else ', '.join(known)}"
         for name, known in labels.items()
     )
+
+
+class LogEvent(BaseModel):
+    """An event: how severe it is, which fields its line has, when it happens."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    level: str
+    fields: tuple[str, ...]
+    when: str
+
+
+@cache
+def log_events() -> Mapping[str, LogEvent]:
+    """All events by name, read from `events.toml`."""
+    text = files("edgevox.ops.logs").joinpath("events.toml").read_text(encoding="utf-8")
+    return TypeAdapter(dict[str, LogEvent]).validate_python(tomllib.loads(text))
 
 
 def logs() -> str:

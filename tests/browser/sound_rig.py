@@ -13,8 +13,7 @@ from support.recordings import write_wav
 from edgevox.core.cancel import CancelToken
 from edgevox.core.languages import LANGUAGES
 from edgevox.models import locate
-from edgevox.voice.tts.pool import VoicePool
-from edgevox.voice.tts.voices import VoiceChoice
+from edgevox.voice.tts.voices import VoiceChoice, VoicePool
 from edgevox.voice.wav import resampled
 
 RATE_HZ = 48_000

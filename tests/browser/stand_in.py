@@ -9,12 +9,12 @@ import math
 import threading
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
-from pathlib import Path
 from typing import Any, Self
 
 from aiohttp import WSMsgType, web
 
-PAGE = Path(__file__).parents[2] / "edgevox" / "console" / "page"
+from edgevox.console.page_files import PageFiles
+
 CODE = "424242"
 CSP = (
     "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' blob: data:; "
@@ -164,6 +164,7 @@ class Robot:
         """By type of command: the error that answers it instead of `ok`."""
         self.scene: Message = SCENE
         self.silent = False
+        self._files = PageFiles()
         self.breaks: list[str] = []
         """What of the page does not come, once each."""
         self.loads = 0
@@ -209,13 +210,13 @@ class Robot:
         app.add_routes(
             [
                 web.get("/", self._page),
-                web.static("/static", PAGE),
                 web.get("/api/me", self._me),
                 web.post("/api/pair", self._pair),
                 web.get("/ws", self._socket),
                 web.get("/ws/view", self._view),
             ]
         )
+        self._files.add_to(app.router)
         app.on_response_prepare.append(_secure)
         self._runner = web.AppRunner(app, shutdown_timeout=0.2)
         await self._runner.setup()
@@ -231,13 +232,14 @@ class Robot:
     @web.middleware
     async def _break_off(self, request: web.Request, handler: Any) -> web.StreamResponse:
         self.loads += request.path == "/"
-        if request.path in self.breaks:
-            self.breaks.remove(request.path)
-            raise web.HTTPServiceUnavailable
+        for part in self.breaks:
+            if request.path.endswith(part):
+                self.breaks.remove(part)
+                raise web.HTTPServiceUnavailable
         return await handler(request)
 
-    async def _page(self, _: web.Request) -> web.FileResponse:
-        return web.FileResponse(PAGE / "index.html")
+    async def _page(self, request: web.Request) -> web.Response:
+        return self._files.document(request, "index.html")
 
     async def _me(self, request: web.Request) -> web.Response:
         if request.cookies.get("edgevox") != CODE:

@@ -8,10 +8,9 @@ from console_rig import Rig, console
 from playwright.sync_api import Browser, Page, expect
 from test_page_drives import hold, until
 
-from edgevox.core.commands import RunSkill, TextInput
+from edgevox.core.commands import RunSkill, TextInput, Way
 from edgevox.core.events import Decided, Responded, Transcribed
 from edgevox.core.log import Said, get_logger
-from edgevox.core.ways import Way
 from edgevox.ops.logs import TurnLines
 
 PATIENCE_MS = 60_000

@@ -11,6 +11,8 @@ from browser_rig import PATIENCE_MS
 from playwright.sync_api import BrowserContext, Page, Playwright
 from stand_in import CODE, LIVE, Robot
 
+pytestmark = pytest.mark.long
+
 NOTE = """() => {
   window.links = [];
   const root = document.documentElement;

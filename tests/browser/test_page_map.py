@@ -12,7 +12,7 @@ from playwright.sync_api import Page
 from stand_in import HELLO, Robot
 from test_page_drives import until
 
-from edgevox.apps.console.map import MapGrid
+from edgevox.apps.console.shown_robot import MapGrid
 from edgevox.core.transforms import Pose2D, to_map
 from edgevox.robots.occupancy_map import FREE, OCCUPIED, UNKNOWN, OccupancyMap
 

@@ -6,8 +6,7 @@ import pytest
 from browser_rig import DEVICES, problems
 from playwright.sync_api import Browser, expect
 
-from edgevox.apps.fleet.robots_file import FleetRobot
-from edgevox.apps.fleet.serve import FleetWatch, State, fleet_server
+from edgevox.apps.fleet.serve import FleetRobot, FleetWatch, State, fleet_server
 from edgevox.ops.http_server import HttpServer
 
 STATES: Mapping[str, tuple[State, Mapping[str, str]]] = {

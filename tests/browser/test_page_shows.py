@@ -9,9 +9,10 @@ import pytest
 from browser_rig import DEVICES, PHONE, Opens, page_words, problems
 from PIL import Image
 from playwright.sync_api import Browser, expect
-from stand_in import HELLO, PAGE, Robot
+from stand_in import HELLO, Robot
 from test_page_drives import until
 
+from edgevox.console.page_files import PAGE
 from edgevox.core.events import Outcome
 
 LANGUAGES = sorted(path.stem for path in (PAGE / "languages").glob("*.json"))
@@ -354,7 +355,7 @@ def test_a_long_name_leaves_the_page_as_wide_as_the_phone(opens: Opens, robot: R
 def test_a_page_whose_parts_did_not_all_come_is_loaded_again(
     opens: Opens, robot: Robot, part: str
 ) -> None:
-    robot.breaks = [f"/static/{part}"]
+    robot.breaks = [f"/{part}"]
     page = opens(command=False)
     until(page, lambda: robot.loads == 2)
     page.locator("html[data-link=ready]").wait_for()

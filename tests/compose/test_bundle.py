@@ -1,5 +1,6 @@
 """A bundle is made of a tiny image, and installed or refused where there is no network at all."""
 
+import fcntl
 import gzip
 import hashlib
 import io
@@ -13,6 +14,7 @@ from collections.abc import Callable, Iterator
 from functools import cache
 from pathlib import Path
 from shutil import which
+from typing import Any
 
 import pytest
 from guards import HUNG_S
@@ -80,6 +82,14 @@ def made(image: str, key: Path, out: Path, *more: str) -> Path:
     return Path(ran.stdout.rstrip())
 
 
+def compose_config(folder: Path) -> dict[str, Any]:
+    """What compose would start in a folder, with nothing but what is there."""
+    clean = {k: v for k, v in os.environ.items() if not k.startswith(("COMPOSE", "EDGEVOX"))}
+    command = ["docker", "compose", "--profile", "*", "config", "--format", "json"]
+    ran = subprocess.run(command, cwd=folder, env=clean, capture_output=True, check=True)
+    return json.loads(ran.stdout)
+
+
 def installed(key: Path, archive: Path, folder: Path, *flags: str) -> tuple[int, str]:
     """What the program ended with, and said, in a namespace that has no network."""
     command = [*no_network(), INSTALL, *flags, key, archive, folder]
@@ -130,7 +140,8 @@ def test_it_is_verified_and_loaded_without_a_network(archive, keys, tmp_path, ti
     try:
         code, said = installed(keys / "site.pub", archive, place)
         assert code == 0, said
-        assert f"export EDGEVOX_IMAGE={identity}\ndocker compose up" in said
+        assert "\ndocker compose up" in said
+        assert compose_config(place)["services"]["edgevox-ros2"]["image"] == identity
         assert docker("image", "inspect", "--format={{.Id}}", name).strip() == identity
     finally:
         docker("tag", name, tiny)
@@ -167,8 +178,9 @@ def test_models_apart_are_verified_and_started_from_a_volume_of_their_own(tiny, 
     code, said = installed(keys / "site.pub", path, tmp_path / "site")
     docker("rmi", image_name(path))
     assert code == 0, said
-    (values,) = re.findall(r"^export MODELS_FROM=./models (.*)$", said, re.MULTILINE)
-    assert re.fullmatch(rf"MODELS_VOLUME=edgevox_models_[0-9a-f]{{12}} MODEL_SET='{MODEL}'", values)
+    told = compose_config(tmp_path / "site")
+    assert re.fullmatch(r"edgevox_models_[0-9a-f]{12}", told["volumes"]["models"]["name"])
+    assert MODEL in json.dumps(told["services"]["models"]["command"])
     assert "docker compose run --rm models &&\ndocker compose up" in said
     store = Store(tmp_path / "site" / "models")
     assert not store.verify(store.manifest.models[MODEL])
@@ -398,6 +410,108 @@ def test_a_private_key_is_no_public_one(archive, keys, tmp_path):
     code, said = installed(keys / "site", archive, tmp_path / "site")
     assert code == 2
     assert "is no public key" in said
+
+
+def signed_again(files: Files, keys: Path, path: Path, **more: bytes) -> Path:
+    """The archive of these files, with others, as the site would sign them."""
+    files = {name: data for name, data in files.items() if not name.startswith("SHA256SUMS")} | more
+    sums = path.parent / "SHA256SUMS"
+    sums.write_text("".join(f"{sha256(data)}  {name}\n" for name, data in sorted(files.items())))
+    sign = ["ssh-keygen", "-q", "-Y", "sign", "-f", keys / "site", "-n", "edgevox-bundle", sums]
+    sums.with_suffix(".sig").unlink(missing_ok=True)
+    subprocess.run(sign, check=True, capture_output=True)
+    signature = (path.parent / "SHA256SUMS.sig").read_bytes()
+    return written(files | {"SHA256SUMS": sums.read_bytes(), "SHA256SUMS.sig": signature}, path)
+
+
+def dated(archive: Path, keys: Path, path: Path, date: str) -> Path:
+    return signed_again(contents(archive), keys, path, **{"bundle.date": f"{date}\n".encode()})
+
+
+def install_without_loading(key: Path, archive: Path, folder: Path, *more: str) -> tuple[int, str]:
+    return installed(key, archive, folder, "--no-load", *more)
+
+
+def test_an_older_one_is_refused_unless_that_is_asked_for(archive, keys, tmp_path):
+    key, robot = keys / "site.pub", tmp_path / "robot"
+    newer = dated(archive, keys, tmp_path / "newer.tar", "2099-01-01T00:00:00Z")
+    assert install_without_loading(key, newer, robot / "newer")[0] == 0
+
+    code, said = install_without_loading(key, archive, robot / "older")
+    assert (code, said.count("\n")) == (1, 1)
+    assert "is older than the last one, of 2099-01-01T00:00:00Z" in said
+    assert sorted(one.name for one in robot.iterdir()) == [".edgevox-bundle", "newer"]
+
+    assert install_without_loading(key, archive, robot / "older", "--allow-downgrade")[0] == 0
+    assert install_without_loading(key, newer, robot / "newer")[0] == 0, "and forward again"
+
+
+def test_a_site_that_installs_twice_has_what_it_had(archive, keys, tmp_path):
+    key, place = keys / "site.pub", tmp_path / "robot" / "one"
+    assert install_without_loading(key, archive, place)[0] == 0
+    with (place / ".env").open("a") as env:
+        env.write("ROS_DOMAIN_ID=7\n")
+    (place / "policy.yaml").write_text("mine")
+
+    code, said = install_without_loading(key, archive, place)
+
+    assert (code, "Verified" in said) == (0, True), said
+    assert (place / ".env").read_text().endswith("ROS_DOMAIN_ID=7\n")
+    assert (place / "policy.yaml").read_text() == "mine"
+
+
+def test_the_sites_settings_and_files_are_copied_to_the_next_ones_folder(archive, keys, tmp_path):
+    key, robot = keys / "site.pub", tmp_path / "robot"
+    assert install_without_loading(key, archive, robot / "one")[0] == 0
+    one = robot / "one"
+    (one / ".env").write_text(
+        "COMPOSE_FILE=docker-compose.ros2.yml:compose/host.yml\nROS_DOMAIN_ID=7\n"
+        "# <install>\nEDGEVOX_IMAGE=sha256:old\n# </install>\nEDGEVOX_LANGUAGE=fr\n"
+    )
+    (one / "site" / "robot").mkdir(parents=True)
+    (one / "site" / "robot" / "robot.yaml").write_text("mine")
+    (one / "compose" / "robot.yml").write_text("edited")
+    newer = dated(archive, keys, tmp_path / "newer.tar", "2099-01-01T00:00:00Z")
+
+    code, said = install_without_loading(key, newer, robot / "two")
+
+    assert code == 0, said
+    assert "not copied, though edited in" in said
+    assert "compose/robot.yml" in said
+    assert (robot / "two" / "site" / "robot" / "robot.yaml").read_text() == "mine"
+    assert (robot / "two" / "compose" / "robot.yml").read_text() != "edited"
+    assert (robot / "two" / ".env").read_text() == (ROOT / ".env").read_text() + (
+        "COMPOSE_FILE=docker-compose.ros2.yml:compose/host.yml\n"
+        "ROS_DOMAIN_ID=7\nEDGEVOX_LANGUAGE=fr\n"
+    )
+
+
+def test_what_a_killed_one_left_is_no_obstacle(archive, keys, tmp_path):
+    (tmp_path / "site.part").mkdir()
+    (tmp_path / "site.part" / "image.tar").write_text("half")
+    assert install_without_loading(keys / "site.pub", archive, tmp_path / "site")[0] == 0
+    assert not (tmp_path / "site.part").exists()
+
+
+def test_a_disk_without_room_is_said_in_one_line(archive, keys, tmp_path, monkeypatch):
+    (tmp_path / "df").write_text("#!/bin/sh\necho a\necho 'b 9 9 1024 9% /'\n")
+    (tmp_path / "df").chmod(0o755)
+    monkeypatch.setenv("PATH", f"{tmp_path}:{os.environ['PATH']}")
+
+    code, said = install_without_loading(keys / "site.pub", archive, tmp_path / "x" / "site")
+
+    assert (code, said.count("\n")) == (1, 1)
+    assert "has 1 MB left, and 6" in said
+    assert not (tmp_path / "x" / "site").exists()
+
+
+def test_two_at_once_do_not_meet(archive, keys, tmp_path):
+    held = os.open(tmp_path, os.O_RDONLY)
+    fcntl.flock(held, fcntl.LOCK_EX)
+    code, said = install_without_loading(keys / "site.pub", archive, tmp_path / "site")
+    os.close(held)
+    assert code == 2
+    assert "another install works in" in said
 
 
 def test_what_is_there_already_is_left_alone(archive, keys, tmp_path):

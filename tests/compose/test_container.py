@@ -7,7 +7,7 @@ from guards import HUNG_S
 from stacks import PATIENCE, Stack, stack
 from waiting import wait_until
 
-from edgevox.apps.shutdown_signals import STUCK
+from edgevox.apps.run_program import STUCK
 
 pytestmark = pytest.mark.usefixtures("image")
 SERVICE = "edgevox-ros2"
@@ -18,9 +18,9 @@ for status in /proc/[0-9]*/status; do
     awk '/^(Name|Uid|Cap...|NoNewPrivs):/ { printf "%s=%s ", $1, $2 } END { print "" }' $status
 done
 """
-KILL_AGENT = r"""
+SIGNAL_AGENT = r"""
 for name in $(grep -lx edgevox-agent /proc/[0-9]*/comm); do
-    kill -KILL "$(basename "${name%/comm}")"
+    kill -"$0" "$(basename "${name%/comm}")"
 done
 """
 
@@ -61,9 +61,10 @@ def test_nothing_can_be_written_but_in_memory(robot: Stack, place):
     assert robot.call("exec", "-T", SERVICE, "bash", "-c", "touch ~/mark").returncode == 0
 
 
-def test_a_robot_that_is_killed_comes_back_by_itself(robot: Stack):
+@pytest.mark.parametrize("name", ["KILL", "STOP"], ids=["killed", "frozen"])
+def test_a_robot_that_is_killed_or_frozen_comes_back_by_itself(robot: Stack, name):
     before = robot.inspect(SERVICE)
-    robot.call("exec", "-T", SERVICE, "bash", "-c", KILL_AGENT)
+    robot.call("exec", "-T", SERVICE, "bash", "-c", SIGNAL_AGENT, name)
 
     def is_back() -> bool:
         now = robot.inspect(SERVICE)
@@ -101,6 +102,19 @@ def test_a_command_runs_with_ros_2_edgevox_and_the_interfaces_at_hand(unstarted:
     assert "<module 'rclpy'" in ran.stdout
 
 
+def test_what_it_keeps_goes_to_another_one(unstarted: Stack):
+    script = """
+    set -e
+    echo 'places: {}' >/places/robot-apartment.yaml
+    edgevox state export - >/tmp/robot.tar
+    rm /places/robot-apartment.yaml
+    edgevox state import - </tmp/robot.tar >&2
+    cat /places/robot-apartment.yaml
+    """
+    ran = unstarted.call("run", "--rm", "-T", SERVICE, "bash", "-c", script, timeout=HUNG_S)
+    assert (ran.returncode, ran.stdout) == (0, "places: {}\n"), ran.stderr
+
+
 @pytest.mark.long
 def test_the_doctor_finds_no_fault_in_the_container(unstarted: Stack):
     ran = unstarted.call("run", "--rm", "-T", SERVICE, "edgevox", "doctor", timeout=HUNG_S)
@@ -115,8 +129,11 @@ def test_the_exit_code_of_a_command_is_the_containers(unstarted: Stack):
 
 def test_a_shell_by_exec_has_the_same_environment(robot: Stack):
     robot.call("start", SERVICE)
-    asked = ("bash", "-c", "echo $ROS_DISTRO; command -v edgevox-agent")
-    assert robot.execute(SERVICE, *asked) == "jazzy\n/opt/edgevox/bin/edgevox-agent\n"
+    asked = (
+        "echo $ROS_DISTRO; command -v edgevox-agent; python3 -c 'import rclpy, edgevox_msgs.action'"
+    )
+    for shell in (("bash", "-c"), ("bash", "-lc"), ("bash", "-euo", "pipefail", "-c")):
+        assert robot.execute(SERVICE, *shell, asked) == "jazzy\n/opt/edgevox/bin/edgevox-agent\n"
 
 
 @pytest.mark.parametrize(

@@ -133,7 +133,7 @@ def test_it_is_as_small_as_promised(about, image):
 
 def test_it_says_what_it_is(about):
     labels = {name.rpartition(".")[2]: value for name, value in about["Config"]["Labels"].items()}
-    assert {"title", "description", "licenses", "name", "documentation"} <= set(labels)
+    assert {"title", "description", "licenses", "name", "documentation", "created"} <= set(labels)
     assert labels["version"] == __version__
     assert about["Config"]["Healthcheck"]["Test"][:2] == ["CMD", "edgevox-health"]
     assert about["Config"]["StopSignal"] == "SIGTERM"
@@ -149,7 +149,7 @@ def test_a_container_with_one_processor_computes_with_one_thread(inside):
 
 
 def test_what_the_container_may_take_of_memory_is_known_in_it(inside):
-    asked = "from edgevox.core.process.cgroup import memory_left; print(memory_left())"
+    asked = "from edgevox.core.process import memory_left; print(memory_left())"
     left = int(inside("python3", "-c", asked, options=("--memory=256m",)))
     assert 100 << 20 < left < 256 << 20
 

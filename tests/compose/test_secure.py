@@ -17,7 +17,7 @@ pytestmark = [pytest.mark.usefixtures("image"), pytest.mark.long]
 SERVICE = "edgevox-ros2"
 USAGE = 64
 BUILD = (
-    "import json; from edgevox.ros2.doctor.middleware_build import middleware_build;"
+    "import json; from edgevox.ros2.doctor import middleware_build;"
     " print(json.dumps(middleware_build()))"
 )
 

@@ -10,6 +10,8 @@ import pytest
 from guards import HUNG_S
 from page_commands import PAGES, ROOT, commands, proofs
 
+pytestmark = pytest.mark.long
+
 TABLE = proofs()
 
 

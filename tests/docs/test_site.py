@@ -12,6 +12,8 @@ from urllib.parse import unquote, urldefrag
 import pytest
 from guards import HUNG_S
 
+pytestmark = pytest.mark.long
+
 ROOT = Path(__file__).parents[2]
 LOADS = {"script": "src", "link": "href", "img": "src", "iframe": "src", "source": "src"}
 

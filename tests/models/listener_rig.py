@@ -15,10 +15,10 @@ from steady_piper import STEADY
 from edgevox.core.cancel import CancelToken
 from edgevox.models import locate
 from edgevox.voice.audio import FRAME_S, FRAME_SAMPLES, RATE_HZ, Frame, Samples
-from edgevox.voice.foreground import open_vad
-from edgevox.voice.tts.espeak_library import EspeakLibrary
-from edgevox.voice.wake.wakeword import WakeDetector
+from edgevox.voice.tts.espeak import EspeakLibrary
+from edgevox.voice.vad import open_vad
 from edgevox.voice.wav import resampled
+from edgevox.voice.word_detection import WakeDetector
 
 CHATTER = """
 The weather was lovely when we walked along the river this morning.

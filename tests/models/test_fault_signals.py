@@ -18,7 +18,9 @@ from support.recordings import write_wav
 from test_voice_program import AGENT
 from waiting import Heard
 
-from edgevox.apps.shutdown_signals import STUCK
+from edgevox.apps.run_program import STUCK
+
+pytestmark = pytest.mark.long
 
 DEAF_TO_NOTHING = ("env", "--default-signal=INT")
 """What a script starts in the background ignores Ctrl-C, and so do its children."""
@@ -145,7 +147,6 @@ def test_it_leaves_by_itself_from_every_state(program, name, number):
             assert file.getnframes() * file.getsampwidth() <= one.answers.stat().st_size
 
 
-@pytest.mark.long
 def test_what_will_not_let_go_is_left_behind_in_time_and_named():
     program = (
         "import sys, threading\n"

@@ -20,8 +20,7 @@ from edgevox.core.events import Responded
 from edgevox.core.languages import LANGUAGES
 from edgevox.models import locate
 from edgevox.voice.stt.whisper import Whisper
-from edgevox.voice.tts.pool import VoicePool
-from edgevox.voice.tts.voices import VoiceChoice
+from edgevox.voice.tts.voices import VoiceChoice, VoicePool
 
 STT, JOE = "whisper-tiny.en", "piper-en_US-joe-medium"
 QUESTION, ANSWER = "Where are you?", phrases.stands(room="living_room")

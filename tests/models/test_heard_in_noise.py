@@ -12,7 +12,7 @@ from edgevox.apps.agent.models import open_phonemes
 from edgevox.apps.robots import build_agents
 from edgevox.core.bus import Bus
 from edgevox.core.clock import SystemClock
-from edgevox.core.ways import Way
+from edgevox.core.commands import Way
 from edgevox.robots.flat.apartment import ApartmentRobot
 
 

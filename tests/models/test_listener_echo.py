@@ -9,7 +9,7 @@ from listener_rig import frames, loud, room_echo, says_espeak, says_piper, silen
 from edgevox.voice.audio import RATE_HZ, rms
 from edgevox.voice.echo.gate import EchoGate
 from edgevox.voice.endpoint import Endpointer, SpeechBegan
-from edgevox.voice.foreground import open_vad
+from edgevox.voice.vad import open_vad
 
 ROBOT_LEVEL = 0.1
 ROOMS_DB = (-6, -12, -18, -24, -30)
@@ -52,6 +52,7 @@ def mixed(echo, person_level):
     return heard
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("gain_db", ROOMS_DB)
 @pytest.mark.parametrize("delay_s", [0.02, 0.15])
 def test_the_robot_does_not_hear_itself(answer, gain_db, delay_s):

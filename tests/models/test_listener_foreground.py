@@ -5,7 +5,7 @@ from listener_rig import frames, loud, says_espeak, silence
 
 from edgevox.voice.audio import FRAME_S, RATE_HZ
 from edgevox.voice.endpoint import Endpointer, SpeechEnded
-from edgevox.voice.foreground import open_vad
+from edgevox.voice.vad import open_vad
 
 TALK = (
     "I have left the other box in the hall, so bring it along when you come back. ",

@@ -10,7 +10,7 @@ from edgevox.core.bus import Bus
 from edgevox.core.commands import Heard
 from edgevox.core.settings import Settings
 from edgevox.core.speech import Ending
-from edgevox.voice.sources.files import WavFiles
+from edgevox.voice.sources.open_source import WavFiles
 from edgevox.voice.stt.speech_to_text import Transcript
 
 

@@ -8,15 +8,15 @@ import numpy as np
 import pytest
 from listener_rig import loud, noises, says_espeak, says_piper, silence
 from support.clock import HeldClock
+from support.recordings import InMemory
 
 from edgevox.core.bus import Bus
 from edgevox.core.commands import Heard
 from edgevox.models import locate
 from edgevox.voice.audio import RATE_HZ
-from edgevox.voice.foreground import open_vad
 from edgevox.voice.listener import Listener
-from edgevox.voice.sources.in_memory import InMemory
 from edgevox.voice.stt.whisper import Whisper
+from edgevox.voice.vad import open_vad
 from edgevox.voice.wake.wakeword import WakeWord
 
 PROMPT = (

@@ -80,6 +80,7 @@ def on_board(threads: int) -> Iterator[LanguageModel]:
     model.close()
 
 
+@pytest.mark.long
 def test_the_shared_model_answers_and_calls_as_the_same_one_on_board_does(
     shared: EndpointModel, on_board: LanguageModel
 ) -> None:

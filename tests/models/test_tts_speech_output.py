@@ -13,7 +13,9 @@ from edgevox.voice.audio import Chunk, Samples
 from edgevox.voice.sentence_synthesiser import SentenceSynthesiser
 from edgevox.voice.sinks.paced import PacedSink
 from edgevox.voice.speech_output import SpeechOutput
-from edgevox.voice.tts.pool import VoicePool
+from edgevox.voice.tts.voices import VoicePool
+
+pytestmark = pytest.mark.long
 
 KITCHEN = "The robot drives to the kitchen and picks up the red cup."
 BACK = "After that it drives back to the door."

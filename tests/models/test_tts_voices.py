@@ -10,11 +10,10 @@ from voice_engines import hear, speak, voice, words, wrong_words
 from edgevox.core.cancel import CancelToken
 from edgevox.core.languages import LANGUAGES
 from edgevox.models import locate
-from edgevox.voice.tts.espeak import EspeakSynthesiser, open_espeak
-from edgevox.voice.tts.espeak_command import EspeakCommand
+from edgevox.voice.tts.espeak import EspeakCommand, EspeakSynthesiser, open_espeak
 from edgevox.voice.tts.kokoro import load_style
-from edgevox.voice.tts.pool import VoicePool
 from edgevox.voice.tts.synthesiser import SynthesisFailed
+from edgevox.voice.tts.voices import VoicePool
 
 pytestmark = pytest.mark.long
 
@@ -75,7 +74,7 @@ def test_espeak_refuses_a_language_that_it_does_not_have():
 OPENED_AT_ONCE = """
 from concurrent.futures import ThreadPoolExecutor
 from threading import Barrier
-from edgevox.voice.tts.espeak_library import espeak_library
+from edgevox.voice.tts.espeak import espeak_library
 
 together = Barrier(8)
 

@@ -16,13 +16,13 @@ from edgevox.core.bus import Bus
 from edgevox.core.cancel import CancelToken
 from edgevox.core.commands import Interrupt
 from edgevox.voice.audio import FRAME_SAMPLES, RATE_HZ, EndOfSound, Frame
-from edgevox.voice.foreground import open_vad
 from edgevox.voice.listener import Listener
 from edgevox.voice.sentence_synthesiser import SentenceSynthesiser
 from edgevox.voice.sinks.paced import PacedSink
 from edgevox.voice.speech_output import SpeechOutput
 from edgevox.voice.stt.speech_to_text import Transcript
-from edgevox.voice.tts.pool import VoicePool
+from edgevox.voice.tts.voices import VoicePool
+from edgevox.voice.vad import open_vad
 
 ANSWER = "I am on my way through the long corridor to the bedroom, and I will tell you more there."
 ECHO_DELAY_S = 0.06

@@ -18,7 +18,7 @@ from edgevox.core.agent_events import AgentEvent, GoalChanged, SafetyPreempted
 from edgevox.core.commands import Interrupt, TextInput
 from edgevox.core.events import Responded, State, StateChanged, Transcribed
 from edgevox.voice.audio import rms
-from edgevox.voice.sinks.wav_file import WavFile
+from edgevox.voice.sinks.open_sink import WavFile
 
 QUIET = silence(3.0)
 """So much of it, while the robot is heard, teaches the echo gate that nothing of it comes back."""

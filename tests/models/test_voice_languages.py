@@ -14,7 +14,7 @@ from voice_rig import SLOWLY, says
 from edgevox.core.agent_events import AgentEvent
 from edgevox.core.commands import SetLanguage
 from edgevox.core.events import AudioLevel, Responded, Transcribed
-from edgevox.voice.tts.pool import VoicePool
+from edgevox.voice.tts.voices import VoicePool
 
 pytestmark = pytest.mark.long
 

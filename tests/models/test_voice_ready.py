@@ -16,7 +16,7 @@ from edgevox.agent.llm.chat.grammar import SAY
 from edgevox.core.agent_events import ToolCalled
 from edgevox.core.commands import TextInput
 from edgevox.core.events import Responded
-from edgevox.voice.stt.watched import WatchedSpeechToText
+from edgevox.voice.stt.speech_to_text import WatchedSpeechToText
 
 KITCHEN, OFFICE = (("navigate_to", {"room": room}) for room in ("kitchen", "office"))
 

@@ -11,8 +11,7 @@ from edgevox.core.cancel import CancelToken
 from edgevox.core.languages import LANGUAGES
 from edgevox.models import locate
 from edgevox.voice.audio import RATE_HZ, Chunk
-from edgevox.voice.tts.pool import VoicePool
-from edgevox.voice.tts.voices import VoiceChoice
+from edgevox.voice.tts.voices import VoiceChoice, VoicePool
 from edgevox.voice.wav import resampled
 
 

@@ -14,6 +14,7 @@ from pathlib import Path
 import numpy as np
 from guards import HUNG_S
 from listener_rig import silence
+from support.recordings import UnpacedWav
 from voice_engines import speak, voice
 from waiting import Heard
 
@@ -34,8 +35,8 @@ from edgevox.core.events import (
 )
 from edgevox.core.settings import Settings
 from edgevox.voice.audio import FRAME_S, FRAME_SAMPLES, RATE_HZ, EndOfSound, Frame
-from edgevox.voice.sinks.open_sink import open_sink
-from edgevox.voice.tts.pool import VoicePool
+from edgevox.voice.sinks.open_sink import WavFile
+from edgevox.voice.tts.voices import VoicePool
 from edgevox.voice.wav import resampled, stream_wav
 
 SEEN = (
@@ -127,9 +128,8 @@ class VoiceRig:
     ):
         self.room = Room(paced=aloud)
         patch.setattr(voice_app, "open_source", lambda _: self.room)
-        patch.setattr(
-            voice_app, "open_sink", lambda spec, **sink: open_sink(spec, **sink, paced=aloud)
-        )
+        if not aloud:
+            patch.setattr(voice_app, "open_sink", lambda spec, **_: UnpacedWav(WavFile(Path(spec))))
         patch.setattr(build, "open_decider", shared_decider)
         if model:
             patch.setattr(build, "open_model", lambda *_: model)

@@ -59,6 +59,7 @@ def test_a_robot_whose_model_is_missing_ends_the_program_with_1(tmp_path, monkey
     assert "Traceback" not in done.stderr
 
 
+@pytest.mark.long
 def test_without_its_wake_words_it_does_not_start_and_names_the_command(tmp_path):
     flags = ["--llm=none", "--audio-in=none", "--wakeword=hey jarvis"]
     done = subprocess.run(
@@ -74,6 +75,7 @@ def test_without_its_wake_words_it_does_not_start_and_names_the_command(tmp_path
     assert "get it with: edgevox-models fetch micro-wake-words" in done.stderr
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("flag", ["world", "scenario", "config"])
 def test_the_program_refuses_a_pipe_in_one_line(flag, tmp_path):
     os.mkfifo(tmp_path / "pipe")

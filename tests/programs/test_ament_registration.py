@@ -88,6 +88,7 @@ def test_the_installed_package_has_the_robots_that_it_declares(prefix: Path) -> 
     assert f"(choose from {', '.join(map(repr, robots))})" in done.stderr
 
 
+@pytest.mark.long
 def test_every_program_can_be_run_from_the_installed_package(prefix: Path) -> None:
     found = {f.name for f in (prefix / "lib" / "edgevox").iterdir() if os.access(f, os.X_OK)}
     assert found == set(PROJECT["scripts"])

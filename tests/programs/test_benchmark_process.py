@@ -1,8 +1,10 @@
 """Each benchmark runs in a process of its own."""
 
+import pytest
 from benchmark_rig import run
 
 
+@pytest.mark.long
 def test_a_benchmark_runs_in_a_process_of_its_own_and_its_figures_come_back():
     measured = run.measure("sim", quick=True)
 

@@ -3,7 +3,7 @@
 import pytest
 from doctor_rig import ERROR, OK, SKIPPED, WARNING, situation
 
-from edgevox.apps.doctor.packages import judge_packages, probe_packages
+from edgevox.apps.doctor.robots import judge_packages, probe_packages
 
 SKILLS = "def make(context):\n    return []\n"
 ROBOT = "from edgevox.robots.plugin import Robot\nROBOT = Robot('a robot', lambda *_: None)\n"

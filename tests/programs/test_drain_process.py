@@ -7,13 +7,13 @@ import sys
 import pytest
 from guards import HUNG_S
 
-from edgevox.apps.shutdown_signals import STUCK
+from edgevox.apps.run_program import STUCK
 
 PROGRAM = """
 import os, sys, threading, time
 from contextlib import ExitStack
 from edgevox.agent.text.reasons import because
-from edgevox.apps.shutdown_signals import ShutdownSignals, Terminated
+from edgevox.apps.run_program import ShutdownSignals, Terminated
 from edgevox.core.agent_events import DrainChanged
 from edgevox.core.bus import Bus
 from edgevox.core.motion.drain import Drain

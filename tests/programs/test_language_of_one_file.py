@@ -10,7 +10,7 @@ import pytest
 from guards import HUNG_S
 
 import edgevox
-from edgevox.core.language_files import CODES
+from edgevox.core.languages import CODES
 
 PACKAGE = Path(edgevox.__file__).parent
 WORDS = {
@@ -109,7 +109,7 @@ def test_a_file_that_cannot_be_used_is_told_by_its_name(tmp_path, text, told):
 def test_programs_read_the_file_of_no_language_that_they_do_not_speak():
     read = (
         "import edgevox.core.settings, edgevox.core.languages as one;"
-        "from edgevox.core.language_files import language_file as file;"
+        "from edgevox.core.languages import language_file as file;"
         "one.LANGUAGES['en']; print(file.cache_info().currsize)"
     )
 

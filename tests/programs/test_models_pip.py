@@ -18,8 +18,10 @@ from models_wheelhouse import (
 
 from edgevox.models import FetchFailed, fetch
 from edgevox.models.fetch import network
-from edgevox.models.source_specs import HubSource
+from edgevox.models.manifest import HubSource
 from edgevox.models.sources.hub import Hub
+
+pytestmark = pytest.mark.long
 
 HUB = {"kind": "hub", "repo": "us/voices"}
 

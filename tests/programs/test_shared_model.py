@@ -11,6 +11,8 @@ from llm_server import good, serving
 
 from edgevox.agent.llm.chat.grammar import SAY
 
+pytestmark = pytest.mark.long
+
 AGENT = Path(sys.executable).with_name("edgevox-agent")
 WISH = "I'd be glad of some company next to the oven"
 ANSWER = "That would be nice indeed."

@@ -7,6 +7,8 @@ from pathlib import Path
 import pytest
 from guards import HUNG_S
 
+pytestmark = pytest.mark.long
+
 STEADY = Path(__file__).parents[2] / "scripts" / "steady.py"
 GOOD = "def test_it(): assert True\n"
 BAD = "def test_it(): assert False, 'for a reason'\n"

@@ -21,14 +21,13 @@ from edgevox.apps.agent.build import build_parts, start_parts
 from edgevox.apps.console.build_context import build_context
 from edgevox.apps.console.shown_robot import ShownRobot
 from edgevox.core.agent_events import GoalChanged, GoalRejected
-from edgevox.core.commands import TextInput
+from edgevox.core.commands import TextInput, Way
 from edgevox.core.errors import InvalidValue
 from edgevox.core.events import Responded
 from edgevox.core.motion.interlock import Interlock
 from edgevox.core.settings import load_settings
 from edgevox.core.status import Level
 from edgevox.core.transforms import Pose2D
-from edgevox.core.ways import Way
 from edgevox.robots.flat.apartment import ApartmentRobot
 
 STEP_S = 0.1

@@ -15,10 +15,9 @@ from edgevox.apps.agent.policy import build_guard
 from edgevox.apps.robots import build_body, open_places
 from edgevox.core.agent_events import AgentEvent, GoalChanged, GoalStatus, as_json
 from edgevox.core.bus import Bus
-from edgevox.core.commands import TextInput
+from edgevox.core.commands import TextInput, Way
 from edgevox.core.events import Responded
 from edgevox.core.settings import check_settings
-from edgevox.core.ways import Way
 
 ROBOTS = ["robot-apartment", "robot-irsim"]
 NEVER = "limits: {places: {never: [bedroom]}}"

@@ -22,12 +22,11 @@ from edgevox.core.agent_events import (
     SoftwareStopChanged,
     ToolCalled,
 )
-from edgevox.core.commands import Interrupt, RunSkill, SetLanguage, TextInput
+from edgevox.core.commands import Interrupt, RunSkill, SetLanguage, TextInput, Way
 from edgevox.core.errors import EdgeVoxError
 from edgevox.core.events import Responded
 from edgevox.core.languages import LANGUAGES
 from edgevox.core.settings import load_settings
-from edgevox.core.ways import Way
 from edgevox.robots.capabilities import Twist2D
 from edgevox.robots.flat.apartment import ApartmentRobot
 from edgevox.robots.limits import Steering

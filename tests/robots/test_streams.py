@@ -9,6 +9,8 @@ from pathlib import Path
 import pytest
 from guards import HUNG_S
 
+pytestmark = pytest.mark.long
+
 PROGRAMS = Path(sys.executable).parent
 AGENT = [str(PROGRAMS / "edgevox-agent"), "robot-apartment", "--text-mode", "--llm=none"]
 LOGGED = ["--log-level=info", "--log-format=json"]

@@ -22,6 +22,7 @@ def run_script(text: str | bytes, *flags: str) -> Done:
     return run_agent(*ARGUMENTS, *flags, said=text)
 
 
+@pytest.mark.long
 def test_a_script_is_done_line_by_line_and_ends_the_program():
     said = b"go to the kitchen\nwhere are you\n"
     done = subprocess.run(COMMAND, input=said, capture_output=True, timeout=HUNG_S)
@@ -265,6 +266,7 @@ def test_the_full_screen_shows_answers_and_leaves_the_terminal_as_it_was(full_sc
     assert full_screen.exitstatus == 0
 
 
+@pytest.mark.long
 def test_sigterm_ends_the_full_screen_in_order(full_screen):
     full_screen.kill(signal.SIGTERM)
     see(full_screen, "\x1b[?1049l")

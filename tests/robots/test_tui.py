@@ -12,10 +12,9 @@ from textual.widgets import Footer, Input, RichLog, Static
 from edgevox.apps.agent.build import build_parts, start_parts
 from edgevox.apps.robots import build_body
 from edgevox.apps.terminal import prompt
+from edgevox.apps.terminal.screen import Face, stderr_as_lines
 from edgevox.apps.terminal.slash_commands import SlashContext
-from edgevox.apps.tui.face import Face
-from edgevox.apps.tui.run_tui import stderr_as_lines
-from edgevox.apps.tui.update_buffer import UpdateBuffer
+from edgevox.apps.terminal.view import UpdateBuffer
 from edgevox.core.bus import Bus
 from edgevox.core.clock import SystemClock
 from edgevox.core.events import AudioLevel, TokenGenerated, TurnMeasured

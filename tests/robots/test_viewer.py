@@ -20,6 +20,8 @@ from waiting import wait_until
 from edgevox.robots.flat.apartment import ApartmentRobot
 from edgevox.robots.flat.viewer import Viewer
 
+pytestmark = pytest.mark.long
+
 AGENT = str(Path(sys.executable).with_name("edgevox-agent"))
 ROBOT_BLUE = (37, 99, 235)
 SCREEN = "900x900x24"

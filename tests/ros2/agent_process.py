@@ -16,6 +16,17 @@ AGENT = str(Path(sys.executable).with_name("edgevox-agent"))
 HEARS_CTRL_C = ("env", "--default-signal=INT")
 """What a script starts in the background is deaf to Ctrl-C, and so are its children."""
 READY = "is ready"
+WITHOUT_ROS2 = """
+import sys
+for package in (
+    "action_msgs", "builtin_interfaces", "diagnostic_msgs", "edgevox_msgs", "geometry_msgs",
+    "nav_msgs", "rcl_interfaces", "rclpy", "sensor_msgs", "std_msgs", "std_srvs", "tf2_msgs",
+):
+    sys.modules[package] = None
+from edgevox.apps.agent.main import main
+sys.exit(main())
+"""
+"""The agent on a machine without ROS 2."""
 MARGIN_MB = 25
 """What memory may differ by and be as before."""
 

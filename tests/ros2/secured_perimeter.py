@@ -36,10 +36,10 @@ from std_msgs.msg import String
 from std_srvs.srv import Trigger
 from waiting import Heard, wait_until
 
-from edgevox.apps.dds_security import secured
 from edgevox.apps.security_command import main
 from edgevox.core.errors import InvalidValue
 from edgevox.security.enclave_certificates import utc_now
+from edgevox.security.startup import secured
 
 ASKED = "where are you"
 ROUNDS = 3

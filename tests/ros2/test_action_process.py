@@ -65,6 +65,7 @@ def test_values_that_no_goal_can_have_are_rejected_before_the_robot_moves(
     assert all(json.loads(m).get("status") == "rejected" for m in event.messages)
 
 
+@pytest.mark.long
 def test_goals_of_a_remapped_action_have_a_client_a_log_and_an_end_with_the_agent(agent, peer):
     parts = ("send_goal", "get_result", "cancel_goal", "feedback", "status")
     rules = [f"execute_skill/_action/{part}:=do/_action/{part}" for part in parts]

@@ -13,7 +13,7 @@ from edgevox.ros2.audio import AudioOut
 from edgevox.ros2.node import RosNode
 from edgevox.voice.audio import Chunk
 from edgevox.voice.sinks import open_sink
-from edgevox.voice.sinks.relay import Relay
+from edgevox.voice.sinks.paced import Relay
 from edgevox_msgs.msg import AudioData
 
 TOPIC = "/edgevox/audio_out"

@@ -30,6 +30,7 @@ def peer(domain):
     one.close()
 
 
+@pytest.mark.long
 def test_what_is_typed_while_it_records_is_in_the_file_also_of_an_agent_that_was_killed(
     agent, peer, tmp_path
 ):

@@ -85,6 +85,7 @@ def test_each_component_says_once_a_second_at_most_how_it_is(body, heard):
     assert int(values(said["process"])["memory_mib"]) > 10
 
 
+@pytest.mark.long
 def test_an_agent_without_a_robot_says_so_too(domain, peer):
     talker = Agent("--text-mode", "--ros2", "--llm=none", domain=domain, program=EDGEVOX)
     try:

@@ -17,6 +17,7 @@ def doctor(domain):
     return partial(ask_doctor, domain=domain)
 
 
+@pytest.mark.long
 def test_this_machine_is_well_and_every_check_has_an_answer(doctor):
     code, checks = doctor()
     errors = [one for said in checks.values() for one in said if one["grade"] == "error"]

@@ -8,6 +8,7 @@ from concurrent.futures import ThreadPoolExecutor
 import phrases
 import pytest
 from external_rig import (
+    Drive,
     Goal,
     Velocities,
     drive,
@@ -26,6 +27,7 @@ from waiting import wait_until
 
 from edgevox.agent.skills import SkillFailed
 from edgevox.core.cancel import Cancelled
+from edgevox.core.transforms import Pose2D, rotate
 from edgevox.robots.capabilities import Twist2D
 from edgevox.ros2.external.locations import Location
 from edgevox.ros2.external.robot import ExternalRobot
@@ -231,6 +233,7 @@ def test_a_camera_is_heard_and_its_pictures_are_for_whoever_looks(rig, control):
     assert robot.newest_picture() is None
 
 
+@pytest.mark.long
 def test_odometry_is_taken_for_the_map_where_no_transform_says_better(rig, caplog):
     robot = rig()
     drive(robot, 0.3, 0.0).result()
@@ -289,6 +292,7 @@ def test_a_halt_cancels_the_goals_of_an_action_that_somebody_else_sent(rig, cont
         nav2.there(server.destroy)
 
 
+@pytest.mark.long
 def test_robots_in_other_namespaces_are_left_alone(rig, control):
     one = rig(namespace="/robot1")
     two = rig(*TAKES_GOALS, namespace="/robot2")
@@ -341,6 +345,7 @@ def test_a_robot_that_takes_goals_but_does_not_go_fails_with_a_reason(rig, contr
         drive(robot, 2.0, 0.0).result()
 
 
+@pytest.mark.long
 def test_something_in_the_way_is_waited_for_and_then_given_up(rig, control):
     robot = rig("--scan")
     scans = hear(control, LaserScan, "/robot1/scan", SENSOR)
@@ -355,6 +360,63 @@ def test_something_in_the_way_is_waited_for_and_then_given_up(rig, control):
     drive(robot, 0.5, 0.0).result()
 
 
+@pytest.mark.parametrize(
+    ("frame", "arguments"),
+    [("odom", ("--scan",)), ("map", ("--scan", *TAKES_GOALS, *MAPPED))],
+)
+def test_it_goes_by_a_distance_and_an_angle_where_its_lidar_sees(rig, control, frame, arguments):
+    robot = rig(*arguments)
+    wait_until(lambda: robot.state()["lidar"] and robot.state()["frame"] == frame, "its senses")
+    start = robot.pose()
+
+    straight = by(robot.drive_straight, 0.6)
+    moving(robot)
+    assert robot.state()["goal"]["by"] == "cmd_vel"
+    straight.result()
+    ahead, aside = seen_from(start, robot.pose())
+    assert (ahead, aside) == pytest.approx((0.6, 0.0), abs=0.05)
+    assert straight.reports[-1]["unit"] == "m"
+
+    by(robot.turn, -math.pi / 2).result()
+    turned = math.remainder(robot.pose().yaw_rad - start.yaw_rad, math.tau)
+    assert turned == pytest.approx(-math.pi / 2, abs=0.08)
+
+    with pytest.raises(SkillFailed, check=phrases.because("blind_behind")):
+        by(robot.drive_straight, -0.5).result()
+    scans = hear(control, LaserScan, "/robot1/scan", SENSOR)
+    control.send("do", "wall 0.4")
+    wall = scans.wait_for(lambda scan: min(scan.ranges) < 1)
+    wait_until(lambda: robot.time_s > to_ns(wall.header.stamp) / NS_PER_S + 0.2, "the wall")
+    with pytest.raises(SkillFailed, check=phrases.because("in_my_way")):
+        by(robot.drive_straight, 0.5).result()
+
+
+def by(move, amount: float) -> Drive:
+    return Drive(lambda token, report: move(amount, token=token, report=report))
+
+
+def seen_from(start: Pose2D, pose: Pose2D) -> tuple[float, float]:
+    return rotate(pose.x_m - start.x_m, pose.y_m - start.y_m, -start.yaw_rad)
+
+
+def test_a_stop_ends_a_straight_drive_and_stands_the_robot(rig):
+    robot = rig()
+    going = by(robot.drive_straight, 5.0)
+    moving(robot)
+    assert robot.halt("a test") is True
+    with pytest.raises(Cancelled, match="a test"):
+        going.result()
+    standing(robot, 3.0)
+    assert robot.pose().x_m < 4.0
+
+
+def test_what_drives_by_goals_goes_straight_only_where_a_lidar_sees(rig):
+    robot = rig(*TAKES_GOALS)
+    with pytest.raises(SkillFailed, check=phrases.because("blind_ahead")):
+        by(robot.drive_straight, 0.5).result()
+
+
+@pytest.mark.long
 def test_goals_are_compared_in_the_map_where_transforms_join_it_to_odometry(rig):
     robot = rig(*MAPPED, "--frame-prefix", "robot1/")
     wait_until(lambda: robot.state()["frame"] == "map", "the transform")
@@ -365,6 +427,7 @@ def test_goals_are_compared_in_the_map_where_transforms_join_it_to_odometry(rig)
     assert distance(robot, 1.5, 1.3) < 0.12
 
 
+@pytest.mark.long
 def test_goals_are_sent_in_the_map_where_there_is_one(rig):
     robot = rig(*MAPPED, "--takes-goals")
     wait_until(lambda: robot.state()["frame"] == "map", "the transform")

@@ -11,6 +11,7 @@ from contextlib import ExitStack
 from pathlib import Path
 
 import pytest
+from agent_process import WITHOUT_ROS2
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from guards import HUNG_S
 from interop_rig import hear
@@ -139,15 +140,11 @@ def test_a_process_says_how_it_is_to_whoever_asks(agent):
     assert ask("--live").returncode == 0
 
 
-def test_without_rclpy_it_is_alive_and_never_ready():
+def test_without_ros2_it_is_alive_and_never_ready():
     port = free_port()
-    program = (
-        "import sys; sys.modules['rclpy'] = None\n"
-        "from edgevox.apps.agent.main import main; sys.exit(main())"
-    )
     flags = ["robot-apartment", "--text-mode", "--ros2", "--llm=none", f"--health-port={port}"]
     process = subprocess.Popen(
-        [sys.executable, "-c", program, *flags],
+        [sys.executable, "-c", WITHOUT_ROS2, *flags],
         stdin=subprocess.DEVNULL,
         stdout=subprocess.PIPE,
         text=True,

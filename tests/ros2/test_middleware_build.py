@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from edgevox.apps.doctor.runner import probe_apart
-from edgevox.ros2.doctor.middleware_build import middleware_build
+from edgevox.core.probe import probe_apart
+from edgevox.ros2.doctor import middleware_build
 
 PROBE = f"{middleware_build.__module__}:{middleware_build.__name__}"
 

@@ -85,6 +85,7 @@ def skill(robot, name, /, **arguments):
     return one.function(Goal(), **one.validate(arguments))
 
 
+@pytest.mark.long
 def test_any_ros_2_robot_finds_back_and_looks_as_it_did(rig, domain):
     with wheels("--start=0.5,0.2,1.0", "--map-to-odom=0,0,0", domain=domain, namespace="/robot1"):
         robot = rig()

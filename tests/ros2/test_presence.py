@@ -293,6 +293,7 @@ def until_both_are_heard(one, response):
     pytest.fail("only one of them was heard")
 
 
+@pytest.mark.long
 def test_of_two_that_drive_one_robot_over_ros_2_only_the_first_does(agent, peer, domain):
     with wheels(domain=domain, namespace="/robot1"):
         agent("--namespace=/robot1", robot="robot-external")

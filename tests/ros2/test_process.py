@@ -6,7 +6,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-from agent_process import AGENT, READY, Agent
+from agent_process import AGENT, READY, WITHOUT_ROS2, Agent
 from guards import HUNG_S
 from peer import STATE
 from robot_states import moving
@@ -56,13 +56,10 @@ def test_a_middleware_that_is_not_there_ends_the_process_with_its_reason(domain,
     assert "rmw_nowhere_cpp" in one.output
 
 
-def test_without_rclpy_one_line_says_so_and_the_agent_works():
-    program = (
-        "import sys; sys.modules['rclpy'] = None\n"
-        "from edgevox.apps.agent.main import main; sys.exit(main())"
-    )
+def test_without_ros2_one_line_says_so_and_the_agent_works():
+    flags = ["robot-apartment", "--text-mode", "--ros2", "--llm=none"]
     done = subprocess.run(
-        [sys.executable, "-c", program, "robot-apartment", "--text-mode", "--ros2", "--llm=none"],
+        [sys.executable, "-c", WITHOUT_ROS2, *flags],
         input="where are you\n",
         capture_output=True,
         text=True,

@@ -30,8 +30,8 @@ from edgevox.robots.capabilities import (
     Twist2D,
 )
 from edgevox.ros2.bridge import RosBridge
-from edgevox.ros2.bridge_context import BridgeContext
 from edgevox.ros2.contract import QUERIES, RATED
+from edgevox.ros2.open import BridgeContext
 
 HELD_S = 2
 

@@ -182,6 +182,7 @@ def states_in(files):
     return [_time(text) for _, text in rows]
 
 
+@pytest.mark.long
 def test_when_it_is_killed_all_that_it_flushed_is_there_and_a_full_file_is_followed_by_another(
     robot, recorder, far
 ):
@@ -307,6 +308,7 @@ steps:
 """
 
 
+@pytest.mark.long
 def test_all_kinds_of_steps_play_on_topics(recorder, far, tmp_path):
     file = tmp_path / "every.yaml"
     file.write_text(EVERY_KIND.replace("ROOM", far))

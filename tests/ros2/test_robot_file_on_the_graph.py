@@ -107,6 +107,7 @@ def test_what_is_missing_or_does_not_fit_is_told_with_what_is_there_and_would_be
     assert code == 1
 
 
+@pytest.mark.long
 @pytest.mark.usefixtures("heard")
 def test_a_namespace_that_is_wrong_is_told_with_the_right_one_and_a_setting_beats_the_file(look):
     code, said = look(EDGEVOX_EXTERNAL_NAMESPACE="/robot2")
@@ -120,6 +121,7 @@ def test_a_namespace_that_is_wrong_is_told_with_the_right_one_and_a_setting_beat
     assert {grade for grade, *_ in said} == {"ok"}
 
 
+@pytest.mark.long
 def test_a_file_that_cannot_be_used_is_told_by_its_line(domain, tmp_path):
     file = tmp_path / "robot.yaml"
     file.write_text(ROBOT_FILE.read_text("utf-8").replace("data: 7", "date: 7"))
@@ -129,6 +131,7 @@ def test_a_file_that_cannot_be_used_is_told_by_its_line(domain, tmp_path):
     assert "skills.blink.request.date: got 7, expected a field that is one of data" in said["found"]
 
 
+@pytest.mark.long
 def test_a_robot_that_is_switched_off_is_told(domain, tmp_path):
     alone = {"ROS_AUTOMATIC_DISCOVERY_RANGE": "OFF", "ROS_STATIC_PEERS": "127.0.0.9"}
     code, checks = ask_doctor("--robot-file", str(ROBOT_FILE), *ONLY, domain=domain, **alone)

@@ -13,10 +13,10 @@ from edgevox.agent.skills import Call, OwnName, SkillSet
 from edgevox.apps.agent.policy import build_guard
 from edgevox.apps.robots import build_agents
 from edgevox.core.bus import Bus
+from edgevox.core.commands import Way
 from edgevox.core.errors import InvalidValue
 from edgevox.core.files.yaml_file import YamlFile
 from edgevox.core.settings import Settings
-from edgevox.core.ways import Way
 from edgevox.robots.capabilities import (
     DrivesTo,
     HasPlaces,
@@ -26,8 +26,7 @@ from edgevox.robots.capabilities import (
 )
 from edgevox.ros2.external import EXTERNAL
 from edgevox.ros2.external.settings import SteeringLimits
-from edgevox.ros2.robot_file.format import MOST_SKILLS, RobotFile
-from edgevox.ros2.robot_file.load import load_robot_file
+from edgevox.ros2.robot_file.format import MOST_SKILLS, RobotFile, load_robot_file
 from edgevox.ros2.robot_file.messages import Filling
 from edgevox.ros2.robot_file.skills import DescribedSkill
 from edgevox.ros2.standard_topics import DRIVEN
@@ -114,6 +113,14 @@ def test_the_file_says_how_the_robot_is_unless_a_setting_does(tmp_path):
     body = build(tmp_path, HONK, head)
     assert set(body.places) == {"dock"}
     assert {"navigate_to", "act"} <= {one.name for one in body.skills}
+
+
+def test_a_files_own_sentence_counts_before_those_of_driving_by_an_amount(tmp_path):
+    body = build(tmp_path, HONK + "\nsentences: [turn around, back up]")
+    recogniser = Recogniser(SkillSet(body.skills))
+
+    assert recogniser.recognise("turn around") == Understood((Call("act"),))
+    assert recogniser.recognise("turn left") == Understood((Call("turn_left"),))
 
 
 def test_a_robot_that_does_not_drive_can_what_its_file_says_and_stop(tmp_path, caplog):

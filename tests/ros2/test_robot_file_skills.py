@@ -95,6 +95,7 @@ def test_a_robot_that_refuses_hangs_aborts_or_lies_is_told_of(skills, asked, mod
         Run(skills, skill).result()
 
 
+@pytest.mark.long
 @pytest.mark.usefixtures("skills")  # the same domain
 def test_a_robot_that_is_not_there_or_dies_under_an_action_is_told_of(domain, peer, tmp_path):
     file = tmp_path / "robot.yaml"

@@ -7,7 +7,7 @@ from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from waiting import wait_until
 
 from edgevox.core.log import get_logger
-from edgevox.ros2.logs.rosout import LIFESPAN_S, PERIOD_S, Rosout
+from edgevox.ros2.logs import LIFESPAN_S, PERIOD_S, Rosout
 from edgevox.ros2.node import RosNode
 
 log = get_logger("edgevox.test")

@@ -9,7 +9,7 @@ from rclpy.context import Context
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 
-from edgevox.ros2.spin import end_spin, spin_until
+from edgevox.ros2.node import end_spin, spin_until
 
 ENDS = 50
 """Without the right order, about one end in a hundred of a busy node failed."""

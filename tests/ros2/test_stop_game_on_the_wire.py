@@ -8,6 +8,8 @@ import pytest
 from stop_game_on_the_wire import StopGameOnTheWire
 from watched_robot import WatchedRobot
 
+pytestmark = pytest.mark.long
+
 SECONDS = float(os.environ.get("STOP_GAME_S", "0"))
 """How long it is played with seeds of its own, instead."""
 ROUNDS = 10

@@ -23,6 +23,7 @@ from edgevox.robots.navigation import navigation_skills
 from edgevox.robots.panda.facts import table_facts
 from edgevox.robots.panda.skills import manipulation_skills
 from edgevox.robots.places.memory import PlaceMemory
+from edgevox.robots.relative_skills import driving_skills
 
 
 class Nobody:
@@ -44,7 +45,10 @@ class Nobody:
 MEMORY = PlaceMemory("apartment", OneOf(tuple(Nobody.places), {"fridge": "kitchen"}))
 BODIES: Mapping[str, SkillSet] = {
     "apartment": SkillSet(
-        navigation_skills(Nobody(), aliases={"fridge": "kitchen"}, memory=MEMORY)
+        [
+            *navigation_skills(Nobody(), aliases={"fridge": "kitchen"}, memory=MEMORY),
+            *driving_skills(Nobody()),
+        ]
     ),
     "humanoid": SkillSet(walking_skills(Nobody())),
     "panda": SkillSet(manipulation_skills(Nobody())),

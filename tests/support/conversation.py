@@ -18,7 +18,7 @@ from edgevox.agent.programs.senses import Senses
 from edgevox.agent.skills import Call, Skill, SkillSet
 from edgevox.core.agent_events import AgentEvent, Confirmation, as_json
 from edgevox.core.bus import Bus
-from edgevox.core.commands import ConversationCommand, Heard, Hypothesis, Reset, TextInput
+from edgevox.core.commands import ConversationCommand, Heard, Hypothesis, Reset, TextInput, Way
 from edgevox.core.events import (
     Decided,
     Responded,
@@ -30,7 +30,6 @@ from edgevox.core.events import (
 )
 from edgevox.core.motion.interlock import Interlock
 from edgevox.core.settings import Confirm
-from edgevox.core.ways import Way
 from support.body import FakeBody
 from support.clock import HeldClock
 

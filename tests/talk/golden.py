@@ -20,10 +20,10 @@ from edgevox.agent.phrases.phrasebook import Phrasebook
 from edgevox.agent.skills import Skill, skill
 from edgevox.agent.text.reasons import because
 from edgevox.agent.text.words import bare, continued, fields
-from edgevox.core.language_files import CODES, language_file
+from edgevox.core.languages import CODES, language_file
 from edgevox.core.reason import Reason
 from edgevox.robots.navigation import LOCATION, navigation_skills
-from edgevox.ros2.clients.clients import interface_reason
+from edgevox.ros2.clients import interface_reason
 
 FOLDER = Path(__file__).with_name("golden")
 ARGUMENTS: Mapping[str, Any] = {
@@ -45,6 +45,7 @@ RESULTS: Mapping[str, Any] = {
     "yaw_deg": 90.0,
     "percent": 87,
     "walked": 1.02,
+    "driven": 1.02,
     "turned": 89.6,
     "held": "red_cube",
     "released": "blue_cube",
@@ -60,6 +61,7 @@ ABOUT: Mapping[str, Any] = {
     "argument": "distance",
     "choices": ("kitchen", "office", "bedroom"),
     "degrees": "90",
+    "driven": "1.2",
     "frame": "map",
     "how": because("nav2_gave_up"),
     "name": "wine_cellar",

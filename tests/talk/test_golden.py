@@ -3,7 +3,7 @@
 import pytest
 from golden import FOLDER, text
 
-from edgevox.core.language_files import CODES
+from edgevox.core.languages import CODES
 
 
 @pytest.mark.parametrize("code", CODES)

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from edgevox.agent.stop.words import find_stop_word
-from edgevox.voice.tts.kana import kana
+from edgevox.voice.tts.espeak import kana
 from training.acoustics import Half
 from training.acoustics.voices import espeak_speakers, kokoro_voices
 

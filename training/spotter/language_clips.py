@@ -5,7 +5,7 @@ import re
 from collections.abc import Iterator, Mapping, Sequence
 from unicodedata import category
 
-from edgevox.core.language_files import language_file
+from edgevox.core.languages import language_file
 from training.acoustics import Half
 from training.acoustics.clips import Clip, espeak_manner
 from training.acoustics.languages import (

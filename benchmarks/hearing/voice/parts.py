@@ -17,10 +17,9 @@ from edgevox.core.cancel import CancelToken
 from edgevox.core.clock import SystemClock
 from edgevox.core.languages import LANGUAGES
 from edgevox.voice.audio import RATE_HZ, Chunk
-from edgevox.voice.spoken_text import split_phrases
-from edgevox.voice.tts.pool import VoicePool
+from edgevox.voice.sentence_synthesiser import split_phrases
 from edgevox.voice.tts.synthesiser import Synthesiser
-from edgevox.voice.tts.voices import VoiceChoice, choose
+from edgevox.voice.tts.voices import VoiceChoice, VoicePool, choose
 from edgevox.voice.wav import resampled
 
 SENTENCES = (

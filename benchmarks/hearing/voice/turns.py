@@ -31,10 +31,10 @@ from edgevox.core.commands import Heard, Interrupt, Reset, Speak, Transcribing
 from edgevox.core.events import SentenceReady, State, StateChanged, Transcribed, TurnMeasured
 from edgevox.core.settings import Settings
 from edgevox.voice.audio import FRAME_S, FRAME_SAMPLES, Samples
-from edgevox.voice.sinks.relay import BLOCK_S, LEAD_S
+from edgevox.voice.sentence_synthesiser import normalise_for_speech, split_phrases
+from edgevox.voice.sinks.paced import BLOCK_S, LEAD_S
 from edgevox.voice.spoken_answer import loud_at
-from edgevox.voice.spoken_text import normalise_for_speech, split_phrases
-from edgevox.voice.tts.pool import VoicePool
+from edgevox.voice.tts.voices import VoicePool
 
 PATIENCE_S = 120.0
 GAP_S = 0.3

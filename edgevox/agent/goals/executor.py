@@ -20,12 +20,12 @@ from edgevox.agent.text.reasons import because
 from edgevox.agent.turn import Turn
 from edgevox.core.agent_events import GoalRejected, GoalStatus, ToolCalled
 from edgevox.core.bus import Bus
+from edgevox.core.commands import Way
 from edgevox.core.errors import EdgeVoxError, InvalidValue, shorten
 from edgevox.core.events import Outcome
 from edgevox.core.motion.deadlines import Deadlines
 from edgevox.core.motion.interlock import Interlock, Tell
 from edgevox.core.reason import NO_REASON, Reason
-from edgevox.core.ways import Way
 
 MAX_BACKGROUND = 64
 """Number of background goals that may wait."""

@@ -11,7 +11,7 @@ from edgevox.agent.llm import weights
 from edgevox.agent.llm.language_model import CONTEXT_TOKENS, LanguageModel, ModelFailed
 from edgevox.agent.llm.llama_cpp_model import LlamaCppModel
 from edgevox.agent.llm.xllamacpp_model import XllamacppModel
-from edgevox.core.process.extras import install_extra
+from edgevox.core.errors import install_extra
 from edgevox.core.settings import LlmBackend
 
 XLLAMACPP_NEEDS = frozenset({"avx2", "fma", "f16c", "bmi2"})

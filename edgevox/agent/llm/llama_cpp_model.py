@@ -14,8 +14,8 @@ from typing import Any
 from edgevox.agent.llm import tuning
 from edgevox.agent.llm.language_model import CONTEXT_TOKENS, ChatMessage, ModelFailed
 from edgevox.core.cancel import CancelToken
+from edgevox.core.errors import install_extra
 from edgevox.core.log import get_logger
-from edgevox.core.process.extras import install_extra
 
 log = get_logger(__name__)
 

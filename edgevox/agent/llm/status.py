@@ -4,10 +4,10 @@ from pathlib import Path
 
 from edgevox.agent.llm.language_model import LanguageModel
 from edgevox.core.clock import Clock
-from edgevox.core.gauges import Gauges
 from edgevox.core.status import (
     ComponentName,
     Finding,
+    Gauges,
     HealthCheck,
     Level,
     RecentIncrease,

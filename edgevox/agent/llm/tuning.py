@@ -15,7 +15,7 @@ robot's share, so all cores are used, with that.
 
 import os
 
-from edgevox.core.process.cgroup import usable_cpus
+from edgevox.core.process import usable_cpus
 
 SPIN_COUNT = 1000
 BATCH_TOKENS = 32

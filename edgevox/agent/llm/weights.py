@@ -13,7 +13,7 @@ from typing import BinaryIO
 
 from edgevox.agent.llm.language_model import ModelFailed
 from edgevox.core.files.user_file import regular
-from edgevox.core.process.cgroup import memory_left
+from edgevox.core.process import memory_left
 
 _MAGIC = b"GGUF"
 _SCALARS = {0: 1, 1: 1, 2: 2, 3: 2, 4: 4, 5: 4, 6: 4, 7: 1, 10: 8, 11: 8, 12: 8}

@@ -25,6 +25,7 @@ from edgevox.agent.text.spelling import key
 QUESTION_MARKS = "?\N{FULLWIDTH QUESTION MARK}\N{ARABIC QUESTION MARK}"
 _MOST_DOUBTS = 4
 _MOST_NAMED = 2
+_SEVERAL = 2
 _SPEAKS = 0.4
 """Least weight of a word that opens an order."""
 _SAYS_SO = 0.6
@@ -265,6 +266,7 @@ class Readings:
                 denied = lexicon is not spoken and is_denied(plain, spoken)
                 left = self._is_left(reading, lexicon, plain)
                 held_back = denied or left or _held_back(reading, facts)
+                held_back = held_back or _is_about_another_thing(reading, lexicon)
                 return Judged(
                     reading,
                     facts,
@@ -386,6 +388,18 @@ def _is_doubtful(judged: Judged, order: float) -> bool:
     unwanted = judged.doubted or (order < 0 and judged.unsupported)
     unread = facts["strange_inside"] or facts["half_filled"]
     return bool(unwanted or unread or facts["asks"] or facts["plans"] or facts["addressed"])
+
+
+def _is_about_another_thing(reading: Reading, lexicon: Lexicon) -> bool:
+    """True if a motion by an amount has no amount, and several unknown words instead.
+
+    "Grab the cup on the left of the plate" is no turn to the left.
+    """
+    return any(
+        part.strange >= _SEVERAL and not part.grounded
+        for part in reading.parts
+        if lexicon.skills[part.call.skill].relative
+    )
 
 
 def _held_back(reading: Reading, facts: Mapping[str, float]) -> bool:

@@ -38,10 +38,9 @@ from edgevox.agent.turn import Turn
 from edgevox.core.agent_events import HandedOver
 from edgevox.core.bus import Bus
 from edgevox.core.clock import Clock
-from edgevox.core.commands import Hypothesis
+from edgevox.core.commands import Hypothesis, Way
 from edgevox.core.events import Outcome
 from edgevox.core.log import get_logger
-from edgevox.core.ways import Way
 
 log = get_logger(__name__)
 

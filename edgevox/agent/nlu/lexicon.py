@@ -16,13 +16,14 @@ from dataclasses import dataclass, field
 from functools import cache
 from typing import Any
 
+from edgevox.agent.nlu.templates import openers
 from edgevox.agent.phrases.numbers import digits
 from edgevox.agent.phrases.phrasebook import Phrasebook
 from edgevox.agent.skills import Skill, SkillSet
 from edgevox.agent.skills.arguments import is_number_type
 from edgevox.agent.text.spelling import NUMBER, folded, separated
 from edgevox.core.files.text import one_form
-from edgevox.core.language_files import language_file
+from edgevox.core.languages import language_file
 
 
 @dataclass(frozen=True, slots=True)
@@ -208,6 +209,7 @@ _EXAMPLE_WEIGHT = 0.25
 _SHORTEST_MIXED = 4
 _SHORTEST_SLIP = 6
 """Least letters of a word to correct one letter: in shorter ones it often makes another word."""
+_SEVERAL = 2
 _EVERYWHERE = 0.6
 """Share of the skills from which on a word that they know speaks for none of them."""
 
@@ -381,15 +383,19 @@ class Lexicon:
         """Words of skills' names that tell skills apart, each with the number of those names.
 
         They count for these skills alone, even if a courtesy of other skills holds them: "right
-        now".
+        now". What opens the sentences of several other skills tells nothing apart: "drive" is not
+        of `drive_forward` alone.
         """
         if self.book.fallback is not None:
             return {}
         counts = Counter(word for name in chunks for word in set(_parts(name)))
+        opened = {n: openers(self.book.templates(one), self.book) for n, one in self.skills.items()}
         return {
             word: n
             for word, n in counts.items()
-            if n * 2 <= len(chunks) and word not in self.function_words.fillers
+            if n * 2 <= len(chunks)
+            and word not in self.function_words.fillers
+            and sum(word in opened[name] for name in chunks if word not in _parts(name)) < _SEVERAL
         }
 
 

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from edgevox.agent.nlu.clauses import ClauseReading, find_names
 from edgevox.agent.nlu.lexicon import Lexicon, Words, is_mark, is_number, plain, words_of
 from edgevox.agent.skills import Call
-from edgevox.core.stop_words import STOP_WORDS
+from edgevox.core.languages import STOP_WORDS
 
 SPEAKS = 0.4
 """Least weight of a word that opens an order."""

@@ -128,6 +128,13 @@ def compile_templates(skills: SkillSet, book: Phrasebook, *, loose: bool) -> "Te
     return Templates(book.code, shared.rules, parsed, lists)
 
 
+def openers(templates: Sequence[str], book: Phrasebook) -> frozenset[str]:
+    """The words with which the sentences of these templates may begin, in lower case."""
+    shared = _shared(book.code, tuple(book.rules.items()), book.hearing.places)
+    begins = (shared.template(one).begins.values() for one in templates)
+    return frozenset(word for some in begins for several in some for word in several if word)
+
+
 class Templates:
     """The templates of some skills, by skill. `lists` holds the words for the slots of each."""
 

@@ -17,8 +17,7 @@ from edgevox.agent.text.number_words import Numbers, Rewriting, lengths, number_
 from edgevox.agent.text.spelling import key
 from edgevox.agent.text.words import word_of
 from edgevox.core.files.text import one_form
-from edgevox.core.language_files import language_file
-from edgevox.core.languages import LANGUAGES
+from edgevox.core.languages import LANGUAGES, language_file
 
 ENGLISH = "en"
 """The language that skills and robots speak by themselves, and that all others fall back to."""
@@ -119,7 +118,8 @@ def _programs(data: Mapping[str, Any]) -> ProgramPhrases:
 def skill_entries(table: Mapping[str, Mapping[str, Any]]) -> dict[str, SkillPhrases]:
     """The phrases of skills, from a table `skills`.
 
-    An entry that is `like` another takes the keys that it lacks from that one.
+    An entry that is `like` another takes the keys that it lacks from that one, and has `more`
+    templates beside those.
     """
     return {
         name: _skill_phrases({**table.get(one.get("like", ""), {}), **one})
@@ -132,7 +132,7 @@ def _skill_phrases(data: Mapping[str, Any]) -> SkillPhrases:
     return SkillPhrases(
         can=data.get("can", ""),
         actions=_several(data.get("action", ())),
-        templates=tuple(data.get("templates", ())),
+        templates=(*data.get("templates", ()), *data.get("more", ())),
         says=_several(data.get("says", ())),
         done=_several(data.get("done", ())),
         examples=tuple(Example(one.pop("sentence"), one) for one in examples),

@@ -5,7 +5,7 @@ from collections.abc import Iterator, Mapping
 from edgevox.agent.policy.file import ANY, PolicyFile, Rule
 from edgevox.agent.policy.limits import Places, PolicyLimits, Speed
 from edgevox.agent.policy.policy import VELOCITY
-from edgevox.core.ways import Way
+from edgevox.core.commands import Way
 
 _DONE = {Rule.ALLOW: "is done", Rule.CONFIRM: "is done after a yes", Rule.DENY: "is refused"}
 

@@ -15,11 +15,11 @@ from pydantic import BeforeValidator, Field, StringConstraints
 from edgevox.agent.policy.limits import PolicyLimits, PolicyPart
 from edgevox.agent.skills import SkillFailed
 from edgevox.agent.text.same_name import name_form
+from edgevox.core.commands import Way
 from edgevox.core.errors import InvalidValue
 from edgevox.core.files.user_file import read_text
 from edgevox.core.files.yaml_file import YamlFile
 from edgevox.core.reason import NO_REASON, Reason
-from edgevox.core.ways import Way
 
 
 class Rule(StrEnum):

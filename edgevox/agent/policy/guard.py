@@ -20,9 +20,9 @@ from edgevox.agent.policy.policy import NOWHERE, VELOCITY, Policy, load_policy, 
 from edgevox.core.agent_events import GoalRejected
 from edgevox.core.bus import Bus
 from edgevox.core.clock import Clock, SystemClock
+from edgevox.core.commands import Way
 from edgevox.core.errors import InvalidValue, shorten
 from edgevox.core.log import get_logger
-from edgevox.core.ways import Way
 
 log = get_logger(__name__)
 

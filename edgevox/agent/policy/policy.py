@@ -11,8 +11,8 @@ from edgevox.agent.policy.file import PolicyFile, Rule, Verdict, read_policy_fil
 from edgevox.agent.policy.limits import PolicyContext
 from edgevox.agent.skills import STOP
 from edgevox.agent.text.reasons import because
+from edgevox.core.commands import Way
 from edgevox.core.reason import NO_REASON, Reason
-from edgevox.core.ways import Way
 
 ALLOWED = Verdict(Rule.ALLOW)
 VELOCITY = "cmd_vel"

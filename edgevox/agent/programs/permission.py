@@ -11,8 +11,8 @@ from edgevox.agent.programs.senses import Senses
 from edgevox.agent.programs.store import Kept, check_bounds
 from edgevox.agent.skills import Call, SkillFailed, SkillSet
 from edgevox.agent.turn import Turn
+from edgevox.core.commands import Way
 from edgevox.core.events import Outcome
-from edgevox.core.ways import Way
 
 
 class Hands(Protocol):

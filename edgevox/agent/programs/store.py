@@ -32,8 +32,8 @@ from edgevox.core.agent_events import GOAL_ENDS, GoalStatus, ProgramChanged, Pro
 from edgevox.core.bus import Bus
 from edgevox.core.cancel import CancelToken
 from edgevox.core.clock import Clock
+from edgevox.core.commands import Way
 from edgevox.core.reason import Reason
-from edgevox.core.ways import Way
 
 
 def _nothing() -> None:

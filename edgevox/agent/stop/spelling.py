@@ -15,7 +15,7 @@ from confusable_homoglyphs.confusables import confusables_data
 
 from edgevox.agent.text.spelling import TYPED_ALIKE
 from edgevox.core.files.text import one_form, without_hidden
-from edgevox.core.stop_words import STOP_SIGNS
+from edgevox.core.languages import STOP_SIGNS
 
 _HYPHENS = "-_\N{HYPHEN}\N{NON-BREAKING HYPHEN}"
 _ELISION = re.compile(r"^(\w{1,2}'|qu')(\w{2,})$")

@@ -12,8 +12,7 @@ from itertools import chain
 
 from edgevox.agent.stop.spelling import SpelledWord, readings, spelled_out, words
 from edgevox.core.files.text import one_form
-from edgevox.core.languages import LANGUAGES
-from edgevox.core.stop_words import STOP_SIGNS, STOP_WORDS, StopWords
+from edgevox.core.languages import LANGUAGES, STOP_SIGNS, STOP_WORDS, StopWords
 
 MAX_CHARACTERS = 4000
 """Number of characters that are searched in one go; a longer text is searched in parts."""

@@ -6,7 +6,7 @@ from typing import Any
 
 from edgevox.agent.text.spelling import key
 from edgevox.agent.text.words import Word, word_of
-from edgevox.core.language_files import language_file
+from edgevox.core.languages import language_file
 from edgevox.core.reason import Named, Reason, in_english
 
 About = str | tuple[str, ...] | Reason | Named

@@ -13,7 +13,7 @@ from typing import Any
 
 from edgevox.agent.text.spelling import key
 from edgevox.core.files.text import without_hidden
-from edgevox.core.language_files import EVERY_LANGUAGE
+from edgevox.core.languages import EVERY_LANGUAGE
 
 _SHORTEST = 3
 """Least number of letters that stay when an ending or a letter is removed."""

@@ -1,20 +1,24 @@
-"""The construction of an agent, by hand, and its closing in reverse order.
+"""The construction of an agent by hand, its service, and its closing in reverse order.
 
-Also here: an agent's drain, and the arguments of skills that may hold a person's own words.
+Also here: an agent's drain, its components, each of which reports its status, and the arguments of
+skills that may hold a person's own words.
 """
 
+import time
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 from pathlib import Path
 
+from edgevox import __version__
 from edgevox.agent.agents import Agent
 from edgevox.agent.conversation import Conversation
 from edgevox.agent.dialogue.known import NOTHING_KNOWN
 from edgevox.agent.llm.language_model import LanguageModel, ModelFailed
 from edgevox.agent.llm.prefill import PromptPrefill
+from edgevox.agent.llm.status import LlmComponent
+from edgevox.agent.policy.status import PolicyComponent
 from edgevox.agent.programs.senses import NO_SENSES
 from edgevox.agent.text.reasons import because
-from edgevox.apps.agent.components import list_components
 from edgevox.apps.agent.models import (
     find_weights,
     open_decider,
@@ -23,35 +27,47 @@ from edgevox.apps.agent.models import (
     open_without,
 )
 from edgevox.apps.agent.parts import AgentParts, CommandRouter, Startable
-from edgevox.apps.agent.policy import build_guard, log_strange_names
+from edgevox.apps.agent.policy import build_guard, known_names, log_strange_names
 from edgevox.apps.agent.queries import available_voices, build_queries, deafness
-from edgevox.apps.agent.skills import gather_skills
 from edgevox.apps.agent.voice import build_listener, build_voice, endings, warm_up_hearing
 from edgevox.apps.console.serve_console import serve_console
+from edgevox.apps.folders import needed_folders, written_folders
 from edgevox.apps.metrics import read_bridge, read_parts, serve_metrics
-from edgevox.apps.robots import build_agents
+from edgevox.apps.robots import build_agents, gather_skills
+from edgevox.apps.run_program import ShutdownSignals
 from edgevox.apps.streams import show
+from edgevox.apps.terminal import run_terminal
 from edgevox.core.bus import Bus
 from edgevox.core.commands import Speak
 from edgevox.core.controls import Controls
 from edgevox.core.events import ControlChanged
-from edgevox.core.gauges import Gauges
 from edgevox.core.log import get_logger
 from edgevox.core.motion.drain import Drain
-from edgevox.core.motion.interlock import Interlock
+from edgevox.core.motion.interlock import Interlock, InterlockComponent
 from edgevox.core.motion.software_stop import SoftwareStop
 from edgevox.core.settings import Settings
-from edgevox.core.status import Components, HealthCheck, lives
+from edgevox.core.status import (
+    Component,
+    ComponentName,
+    Components,
+    Gauges,
+    HealthCheck,
+    Off,
+    lives,
+)
 from edgevox.models import ModelMissing
 from edgevox.ops.health import Health
 from edgevox.ops.logs import BusLog
-from edgevox.robots.capabilities import Body, HasPose
+from edgevox.ops.machine import DiskComponent, ProcessComponent
+from edgevox.robots.capabilities import Body, HasPicture, HasPose
 from edgevox.robots.facts import known_of
+from edgevox.robots.flat.viewer import Viewer, has_display
 from edgevox.robots.program_senses import senses_of
+from edgevox.robots.sim_loop import SimComponent
 from edgevox.ros2 import BridgeContext, open_bridge
+from edgevox.voice.status import AudioComponent, SttComponent, TtsComponent
 
 log = get_logger(__name__)
-
 
 STANDS_M_S, STANDS_RAD_S = 0.01, 0.01
 """Slower than this, a robot stands: a simulated one comes to rest, a real one never measures
@@ -298,3 +314,80 @@ def _follow(conversation: Conversation, change: ControlChanged) -> None:
             conversation.set_language(str(code))
         case ControlChanged(name="confirm", value=("always" | "unsure" | "never") as confirm):
             conversation.set_confirm(confirm)
+
+
+TYPED = "text is typed"
+
+
+def list_components(parts: AgentParts, gauges: Gauges) -> None:
+    """List all; executor and presence are off until a bridge is there, which lists its own."""
+    audio, stt, tts = _of_voice(parts, gauges)
+    parts.components.add(
+        audio,
+        stt,
+        _llm(parts, gauges),
+        tts,
+        SimComponent(parts.body) if parts.body else Off(ComponentName.SIM, "no robot"),
+        Off(ComponentName.EXECUTOR, "no ROS 2"),
+        Off(ComponentName.PRESENCE, "no ROS 2"),
+        InterlockComponent(parts.interlock),
+        Off(ComponentName.CONSOLE, "not asked for"),
+        PolicyComponent(parts.guard, lambda: known_names(parts.skills)),
+        DiskComponent(
+            lambda: written_folders(parts.settings), lambda: needed_folders(parts.settings)
+        ),
+        ProcessComponent(parts.health, __version__, lambda: parts.conversation.refusals),
+    )
+
+
+def _of_voice(parts: AgentParts, gauges: Gauges) -> tuple[Component, Component, Component]:
+    voice, listener, controls = parts.voice, parts.listener, parts.controls
+    if not voice or not listener:
+        return (
+            Off(ComponentName.AUDIO, TYPED),
+            Off(ComponentName.STT, TYPED),
+            Off(ComponentName.TTS, TYPED),
+        )
+    return (
+        AudioComponent(
+            voice.source,
+            voice.sink,
+            listener,
+            voice.speech_output,
+            controls=controls,
+            gauges=gauges,
+        ),
+        SttComponent(voice.stt, listener, controls),
+        TtsComponent(voice.speech_output, controls, gauges),
+    )
+
+
+def _llm(parts: AgentParts, gauges: Gauges) -> Component:
+    if not parts.model:
+        return Off(ComponentName.LLM, "none was asked for")
+    return LlmComponent(
+        parts.model,
+        gauges,
+        weights=parts.model_path,
+        endpoint=parts.settings.llm_endpoint,
+        absent=parts.absent,
+    )
+
+
+def serve(settings: Settings, body: Body | None, ros_args: Sequence[str]) -> bool:
+    """Serve the agent's users, until the program is ended."""
+    began_s = time.monotonic()
+    with ExitStack() as stack:
+        parts = build_parts(stack, settings, body)
+        with ShutdownSignals(settings.leave_s, parts.drain) as shutdown:
+            start_parts(stack, parts, ros_args)
+            if settings.render and has_display() and isinstance(body, HasPicture):
+                start(stack, Viewer(body.picture, f"EdgeVox: {body.name}"))
+            show(f"{parts.name} is ready. /help shows what can be typed.")
+            log.info("ready", agent=parts.name, after_s=round(time.monotonic() - began_s, 1))
+            try:
+                run_terminal(parts, shutdown)
+            finally:
+                log.info("shutting_down", agent=parts.name, reason=shutdown.signal or "left")
+                parts.drain.stand()  # before anything is closed, since that may hang
+    return True

@@ -14,16 +14,28 @@ from typing import Any, NoReturn
 from edgevox import __version__
 from edgevox.agent.phrases.load import ENGLISH, phrasebook
 from edgevox.agent.phrases.name_rules import check_skills
+from edgevox.apps.agent.build import serve
 from edgevox.apps.agent.play import play, read_script
 from edgevox.apps.agent.policy import build_guard, strange_names
-from edgevox.apps.agent.serve import serve
-from edgevox.apps.agent.skills import about_packages, gather_skills
 from edgevox.apps.agent.snapshot import take_snapshot
 from edgevox.apps.flags import add_flags, given_flags
 from edgevox.apps.plugins import Plugins, bring_plugins, plugins_folder
-from edgevox.apps.robots import ROBOTS, about, build_body, learn_robots, open_places
-from edgevox.apps.run_program import run_program, secure_ros2, set_up_logs
-from edgevox.apps.shutdown_signals import ShutdownSignals, Terminated
+from edgevox.apps.robots import (
+    ROBOTS,
+    about,
+    about_packages,
+    build_body,
+    gather_skills,
+    learn_robots,
+    open_places,
+)
+from edgevox.apps.run_program import (
+    ShutdownSignals,
+    Terminated,
+    run_program,
+    secure_ros2,
+    set_up_logs,
+)
 from edgevox.apps.streams import show, with_streams
 from edgevox.core.bus import Bus
 from edgevox.core.files.text import one_line

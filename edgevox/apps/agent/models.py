@@ -42,7 +42,7 @@ def open_decider() -> Decider | None:
 def open_phonemes() -> Phonemes | None:
     """None where espeak-ng is no library here: then misheard commands are not understood."""
     try:
-        from edgevox.voice.tts.espeak_library import espeak_library
+        from edgevox.voice.tts.espeak import espeak_library
 
         library = espeak_library()
     except (ImportError, OSError, EdgeVoxError) as error:

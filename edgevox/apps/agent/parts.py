@@ -9,8 +9,8 @@ from edgevox.agent.llm.language_model import LanguageModel
 from edgevox.agent.policy import Guard
 from edgevox.agent.skills import Skill
 from edgevox.apps.agent.queries import Queries
-from edgevox.apps.agent.skills import RobotSkills
 from edgevox.apps.agent.voice import VoiceChain
+from edgevox.apps.robots import RobotSkills
 from edgevox.core.bus import Bus
 from edgevox.core.commands import Command, Query, SetLanguage, SetMuted, SetVoice
 from edgevox.core.controls import Controls

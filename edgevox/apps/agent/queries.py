@@ -5,8 +5,8 @@ from pathlib import Path
 from typing import Any
 
 from edgevox.core.controls import Controls
+from edgevox.core.errors import install_extra
 from edgevox.core.languages import LANGUAGES, STT_BACKEND, Language
-from edgevox.core.process.extras import install_extra
 from edgevox.models import Store
 from edgevox.ops.machine import hardware_info
 from edgevox.voice.sentence_synthesiser import SentenceSynthesiser

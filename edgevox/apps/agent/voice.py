@@ -28,25 +28,23 @@ from edgevox.models import locate
 from edgevox.models.manifest import builtin_manifest
 from edgevox.voice.audio import AudioSource
 from edgevox.voice.echo.played import PlayedSound
-from edgevox.voice.foreground import open_vad
 from edgevox.voice.listener import Listener
 from edgevox.voice.sentence_synthesiser import SentenceSynthesiser
 from edgevox.voice.sinks.open_sink import open_sink
-from edgevox.voice.sinks.relay import Relay
+from edgevox.voice.sinks.paced import Relay
 from edgevox.voice.sinks.tapped import TappedSink
-from edgevox.voice.sources.files import WavFiles
-from edgevox.voice.sources.open_source import ROS2, open_source
+from edgevox.voice.sources.open_source import ROS2, WavFiles, open_source
 from edgevox.voice.sources.pushed import Pushed
 from edgevox.voice.speech_output import SpeechOutput
 from edgevox.voice.stop.detector import StopDetector
 from edgevox.voice.stop.network import ENCODER
 from edgevox.voice.stop.spotter import open_stop_spotter
 from edgevox.voice.stt.kept import MOST_BYTES, MOST_UTTERANCES, KeepingSpeechToText, KeptAudio
-from edgevox.voice.stt.speech_to_text import SpeechToText
-from edgevox.voice.stt.watched import WatchedSpeechToText
+from edgevox.voice.stt.speech_to_text import SpeechToText, WatchedSpeechToText
 from edgevox.voice.stt.whisper import Whisper
-from edgevox.voice.tts.pool import VoicePool
-from edgevox.voice.wake.wakeword import WakeDetector
+from edgevox.voice.tts.voices import VoicePool
+from edgevox.voice.vad import open_vad
+from edgevox.voice.word_detection import WakeDetector
 
 log = get_logger(__name__)
 

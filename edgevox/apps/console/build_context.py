@@ -19,13 +19,12 @@ from edgevox.apps.agent.parts import AgentParts
 from edgevox.apps.console.robot_recorder import NoRecorder, RobotRecorder
 from edgevox.apps.console.shown_robot import ShownRobot
 from edgevox.console.context import ConsoleContext, ConsoleSound
-from edgevox.core.commands import Command, RunSkill, TextInput
+from edgevox.core.commands import Command, RunSkill, TextInput, Way
 from edgevox.core.events import TurnMeasured
 from edgevox.core.languages import LANGUAGES
 from edgevox.core.motion.interlock import StreamStopped
 from edgevox.core.reason import Reason
 from edgevox.core.settings import CONFIRM
-from edgevox.core.ways import Way
 from edgevox.ops.logs import TurnLines
 from edgevox.robots.places.skills import REMEMBER
 

@@ -15,13 +15,13 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import IO, Any
 
-from edgevox.apps.dds_security import ENABLE, ENCLAVE, KEYSTORE, OVERRIDE, ROS_KEYSTORE
 from edgevox.core.errors import EdgeVoxError
 from edgevox.core.files.user_file import size_bytes
 from edgevox.core.log import get_logger
 from edgevox.core.settings import Settings
 from edgevox.ros2.contract import RECORDER_NODE
 from edgevox.ros2.recordings import PREFIX, finished, folders, opened, remove, used_bytes
+from edgevox.security.startup import ENABLE, ENCLAVE, KEYSTORE, OVERRIDE, ROS_KEYSTORE
 
 log = get_logger(__name__)
 
@@ -113,7 +113,7 @@ LEAST_MB = 50
 """Space that a recording needs to begin; a smaller bound in the settings is enough."""
 MOST_FILE_MB = 10_000_000
 """A recording is one file, whatever the settings allow it."""
-PROGRAM = "from edgevox.apps.console.recorder_child import main; raise SystemExit(main())"
+PROGRAM = "from edgevox.apps.recorder import main_under_agent; raise SystemExit(main_under_agent())"
 
 
 class NoRecorder(StrEnum):

@@ -8,9 +8,8 @@ from edgevox.apps.agent.parts import AgentParts
 from edgevox.apps.console_command import shown_code
 from edgevox.apps.folders import console_folder, recordings_folder
 from edgevox.apps.streams import show
-from edgevox.core.errors import EdgeVoxError
+from edgevox.core.errors import EdgeVoxError, install_extra
 from edgevox.core.log import get_logger
-from edgevox.core.process.extras import install_extra
 from edgevox.core.status import ComponentName, Level, Off
 
 if TYPE_CHECKING:
@@ -52,7 +51,7 @@ def _open(own: ExitStack, parts: AgentParts) -> "ConsoleServer":
         from edgevox.apps.console.build_context import build_context
         from edgevox.apps.console.robot_recorder import RobotRecorder, open_recorder
         from edgevox.apps.console.shared_sound import share_sound
-        from edgevox.console.open_console import open_console
+        from edgevox.console.console_server import open_console
     except ModuleNotFoundError as error:
         raise EdgeVoxError(f"{error.name}: not here, expected {install_extra('console')}") from None
     folder = console_folder(parts.settings)

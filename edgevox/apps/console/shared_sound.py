@@ -16,13 +16,12 @@ from numpy.typing import NDArray
 from edgevox.apps.agent.parts import AgentParts
 from edgevox.apps.agent.voice import endings, open_stop_detector, open_wakeword
 from edgevox.core.bus import Bus
-from edgevox.core.commands import Command, Heard
+from edgevox.core.commands import Command, Heard, Way
 from edgevox.core.events import SentenceReady
-from edgevox.core.ways import Way
-from edgevox.voice.foreground import open_vad
 from edgevox.voice.listener import Listener
 from edgevox.voice.sinks.tapped import Tap, TappedSink
 from edgevox.voice.sources.pushed import Pushed
+from edgevox.voice.vad import open_vad
 
 SOURCE = "console"
 

@@ -4,7 +4,6 @@
 Imports all of edgevox; nothing but the entrypoint imports it.
 """
 
-from edgevox.apps.container.environment import prepared
-from edgevox.apps.container.variables import ENVIRONMENT, Variable
+from edgevox.apps.container.environment import ENVIRONMENT, Variable, prepared
 
 __all__ = ["ENVIRONMENT", "Variable", "prepared"]

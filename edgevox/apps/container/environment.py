@@ -1,19 +1,167 @@
 """The container's environment, checked and made into what EdgeVox and ROS 2 read.
 
-`EDGEVOX_ROBOT_FOLDER` is one folder with all files of a robot: each is the value of a variable.
+The table of the variables is `environment.toml`. `EDGEVOX_ROBOT_FOLDER` is one folder with all
+files of a robot: each is the value of a variable.
 """
 
 import difflib
 import os
 import re
+import tomllib
 from collections.abc import Callable, Mapping
+from importlib.resources import files
 from pathlib import Path
+from typing import Literal, Self, get_args, get_origin
 
-from edgevox.apps.container.variables import ENVIRONMENT, NO_ROBOT, Variable
+from pydantic import BaseModel, ConfigDict, Field, TypeAdapter, model_validator
+from pydantic.fields import FieldInfo
+
 from edgevox.apps.plugins import bring_plugins
 from edgevox.apps.robots import ROBOTS, learn_robots
 from edgevox.core.errors import InvalidValue
-from edgevox.core.settings import ENV_PREFIX, check_settings, one_value
+from edgevox.core.settings import ENV_PREFIX, Settings, check_settings, old_name, one_value
+
+NO_ROBOT = "edgevox"
+"""The agent without a robot."""
+AGENTS = (*ROBOTS, NO_ROBOT)
+
+Type = Literal[
+    "integer", "boolean", "choice", "text", "file", "folder", "agent", "middleware", "setting"
+]
+
+
+class UnwiseRange(BaseModel):
+    """A range of numbers that is allowed, with what speaks against it."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    least: int = Field(alias="from")
+    most: int = Field(alias="to")
+    because: str
+
+
+class Variable(BaseModel):
+    """A variable of the container."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    variable: str
+    type: Type = "setting"
+    setting: str = ""
+    default: str = ""
+    """The container's own default; empty if it sets none."""
+    empty: str = ""
+    shown: str = ""
+    about: str = ""
+    allowed: str = ""
+    choices: tuple[str, ...] = ()
+    pattern: str = ""
+    least: int | None = None
+    most: int | None = None
+    unwise: UnwiseRange | None = None
+    listed: bool = True
+    """False for a variable that only follows from the settings."""
+
+    @model_validator(mode="after")
+    def _whole(self) -> Self:
+        if (self.type == "setting") != bool(self.setting):
+            raise ValueError("a row has either a type or a setting")
+        if self.setting and self.setting not in Settings.model_fields:
+            raise ValueError(f"no such setting: {self.setting}")
+        if not self.sentence:
+            raise ValueError("a row says what it is about")
+        return self
+
+    @property
+    def target(self) -> str:
+        """The variable that EdgeVox itself reads."""
+        return ENV_PREFIX + self.setting.upper() if self.setting else self.variable
+
+    @property
+    def sentence(self) -> str:
+        """Its description."""
+        return self.about or (self._field.description or "" if self.setting else "")
+
+    @property
+    def default_text(self) -> str:
+        """Its default, for people; empty without one."""
+        if self.shown:
+            return self.shown
+        if self.default or not self.setting:
+            return f"`{self.default}`" if self.default else ""
+        value = self._field.default
+        return "" if value in (None, "") else f"`{str(value).lower()}`"
+
+    @property
+    def values(self) -> str:
+        """Its allowed values, for people; empty if any is."""
+        if self.allowed:
+            return self.allowed
+        match self.type:
+            case "integer":
+                return f"{self.least} to {self.most}"
+            case "boolean":
+                return "true or false"
+            case "choice" | "agent":
+                return ", ".join(self.choices or AGENTS)
+            case "file":
+                return "a file that exists"
+            case "folder":
+                return "an absolute path"
+            case "setting":
+                return _allowed(self._field)
+        return ""
+
+    @property
+    def _field(self) -> FieldInfo:
+        return Settings.model_fields[self.setting]
+
+
+def _allowed(field: FieldInfo) -> str:
+    """Return a setting's allowed values, from its type and bounds."""
+    if field.annotation is bool:
+        return "true or false"
+    if get_origin(field.annotation) is Literal:
+        return ", ".join(str(one) or "empty" for one in get_args(field.annotation))
+    bounds = {
+        name: getattr(one, name)
+        for one in field.metadata
+        for name in ("ge", "gt", "le", "lt")
+        if getattr(one, name, None) is not None
+    }
+    words = {"ge": "from", "gt": "above", "le": "to", "lt": "below"}
+    return " ".join(f"{words[name]} {bounds[name]}" for name in words if name in bounds)
+
+
+def _load() -> Mapping[str, Variable]:
+    text = files("edgevox.apps.container").joinpath("environment.toml").read_text(encoding="utf-8")
+    adapter = TypeAdapter(list[Variable])
+    rows = adapter.validate_python(
+        [{"variable": name, **row} for name, row in tomllib.loads(text).items()]
+    )
+    named = {row.variable for row in rows}
+    own = {ENV_PREFIX + name.upper(): name for name in Settings.model_fields}
+    rows += [
+        Variable(variable=variable, setting=name, listed=False)
+        for variable, name in own.items()
+        if variable not in named
+    ]
+    rows += [
+        Variable(
+            variable=ENV_PREFIX + old_name(info).upper(),
+            setting=name,
+            about=f"old name of {ENV_PREFIX}{name.upper()}",
+            listed=False,
+        )
+        for name, info in Settings.model_fields.items()
+        if old_name(info)
+    ]
+    return {row.variable: row for row in rows}
+
+
+ENVIRONMENT: Mapping[str, Variable] = _load()
+"""All variables by name: those of the file, every other setting's, then the old names."""
+
 
 FOLDER = "EDGEVOX_ROBOT_FOLDER"
 NAMES: Mapping[str, str] = {
@@ -91,6 +239,7 @@ def prepared(environment: Mapping[str, str], warn: Callable[[str], None]) -> dic
             values[row.variable] = row.default
     _be_quiet_without_sound(values)
     _check_settings(values)
+    _find_files(environment)
     warn_of_unknown(environment, warn)
     rest = {name: value for name, value in environment.items() if name not in ENVIRONMENT}
     return rest | _targets(values)
@@ -163,7 +312,8 @@ def installed_middlewares() -> list[str]:
     """The middlewares of ROS 2 that this environment can load, by its ament index."""
     prefixes = os.environ.get("AMENT_PREFIX_PATH", "").split(os.pathsep)
     folders = [Path(p, "share/ament_index/resource_index/rmw_typesupport") for p in prefixes if p]
-    return sorted({file.name for folder in folders if folder.is_dir() for file in folder.iterdir()})
+    names = {file.name for folder in folders if folder.is_dir() for file in folder.iterdir()}
+    return sorted(names - {"rmw_implementation"})  # which loads one of the others
 
 
 def _refuse_contradictions(values: Mapping[str, str]) -> None:
@@ -189,6 +339,14 @@ def _check_settings(values: Mapping[str, str]) -> None:
         check_settings({s: targets[ENVIRONMENT[name].target] for s, name in by_setting.items()})
     except InvalidValue as error:
         raise InvalidValue(by_setting[error.field], error.value, error.expected) from None
+
+
+def _find_files(environment: Mapping[str, str]) -> None:
+    """Refuse a file of the robot that is not there, before anything starts."""
+    for name in NAMES.values():
+        value = environment.get(name)
+        if value and not Path(value).exists():
+            raise InvalidValue(name, value, "a file in the container")
 
 
 def warn_of_unknown(environment: Mapping[str, str], warn: Callable[[str], None]) -> None:

@@ -4,13 +4,12 @@ import os
 import sys
 from collections.abc import Mapping, Sequence
 
-from edgevox.apps.container.environment import prepared
+from edgevox.apps.container.environment import NO_ROBOT, prepared
 from edgevox.apps.container.peers import with_addresses, with_server_addresses
-from edgevox.apps.container.variables import NO_ROBOT
-from edgevox.apps.dds_security import secured
 from edgevox.apps.streams import show, with_streams
 from edgevox.core.errors import InvalidValue
-from edgevox.core.process.cgroup import usable_cpus
+from edgevox.core.process import usable_cpus
+from edgevox.security.startup import secured
 
 USAGE = 64
 """EX_USAGE of sysexits.h: nothing was started."""

@@ -1,9 +1,11 @@
-"""A check of the doctor, and its verdict."""
+"""A check of the doctor, its verdict, and the run of all checks side by side, whatever fails."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from typing import Any
 
+from edgevox.core.probe import ProbeFailed, probe_apart
 from edgevox.core.settings import Settings
 from edgevox.core.status import Level
 
@@ -79,3 +81,44 @@ class CheckAnswer:
 
     check: str
     verdict: CheckVerdict
+
+
+AT_ONCE = 4
+
+
+def ask(checks: Sequence[Check], situation: Situation) -> list[CheckAnswer]:
+    """The answers of all checks, in their order; a check may give several."""
+    with ThreadPoolExecutor(AT_ONCE, thread_name_prefix="doctor") as pool:
+        verdicts = list(pool.map(lambda check: _verdicts(check, situation), checks))
+    found = {check.name: said for check, said in zip(checks, verdicts, strict=True)}
+    return [
+        CheckAnswer(check.name, one)
+        for check in checks
+        for one in _unless_needed_is_missing(check, found[check.name], found)
+    ]
+
+
+def _verdicts(check: Check, situation: Situation) -> Sequence[CheckVerdict]:
+    try:
+        probe = check.probe
+        facts = probe_apart(probe) if isinstance(probe, str) else probe(situation)
+        said = check.judge(facts, situation)
+    except ProbeFailed as failed:
+        return [error(f"could not be checked: {failed}", check.if_lost)]
+    except Exception as failed:  # noqa: BLE001 - a check that breaks is a finding like any other
+        return [error(f"could not be checked: {failed!r}")]
+    return [said] if isinstance(said, CheckVerdict) else said
+
+
+def _unless_needed_is_missing(
+    check: Check, said: Sequence[CheckVerdict], found: dict[str, Sequence[CheckVerdict]]
+) -> Iterator[CheckVerdict]:
+    missing = (name for name in check.needs if _unusable(found.get(name, ())))
+    if name := next(missing, None):
+        yield skipped(f"not tried: see {name}")
+    else:
+        yield from said
+
+
+def _unusable(said: Iterable[CheckVerdict]) -> bool:
+    return any(one.level in (Level.ERROR, Level.STALE) for one in said)

@@ -4,9 +4,6 @@ from edgevox.apps.doctor import (
     console,
     machine,
     model_files,
-    network,
-    packages,
-    process_environment,
     robots,
     ros,
     security,
@@ -14,7 +11,7 @@ from edgevox.apps.doctor import (
 )
 from edgevox.apps.doctor.check import Check
 
-_ROS, _HERE = "edgevox.ros2.doctor.probe", "edgevox.apps.doctor"
+_ROS, _HERE = "edgevox.ros2.doctor", "edgevox.apps.doctor"
 
 CHECKS: tuple[Check, ...] = (
     Check("python", "this Python version runs EdgeVox", machine.probe_python, machine.judge_python),
@@ -37,8 +34,8 @@ CHECKS: tuple[Check, ...] = (
     Check(
         "settings",
         "the settings are valid, and no `EDGEVOX_` variable is misspelled",
-        process_environment.probe_settings,
-        process_environment.judge_settings,
+        machine.probe_settings,
+        machine.judge_settings,
     ),
     Check(
         "policy",
@@ -49,20 +46,20 @@ CHECKS: tuple[Check, ...] = (
     Check(
         "packages",
         "every plug-in and every package with robots or skills loads",
-        packages.probe_packages,
-        packages.judge_packages,
+        robots.probe_packages,
+        robots.judge_packages,
     ),
     Check(
         "folders",
         "EdgeVox can write temporary files and ROS 2's logs",
-        process_environment.probe_folders,
-        process_environment.judge_folders,
+        machine.probe_folders,
+        machine.judge_folders,
     ),
     Check(
         "container",
         "in a container, EdgeVox does not run as root",
-        process_environment.probe_container,
-        process_environment.judge_container,
+        machine.probe_container,
+        machine.judge_container,
     ),
     Check(
         "models",
@@ -144,14 +141,14 @@ CHECKS: tuple[Check, ...] = (
     Check(
         "multicast",
         "messages to the multicast group of DDS arrive, on each interface",
-        network.probe_multicast,
-        network.judge_multicast,
+        ros.probe_multicast,
+        ros.judge_multicast,
     ),
     Check(
         "shared memory",
         "`/dev/shm` is large enough and not full of leftovers of dead nodes",
-        network.probe_shared_memory,
-        network.judge_shared_memory,
+        ros.probe_shared_memory,
+        ros.judge_shared_memory,
     ),
     Check(
         "console",
@@ -162,8 +159,8 @@ CHECKS: tuple[Check, ...] = (
     Check(
         "buffers",
         "UDP buffers are large enough for pictures",
-        network.probe_buffers,
-        network.judge_buffers,
+        ros.probe_buffers,
+        ros.judge_buffers,
     ),
     Check(
         "gpu",

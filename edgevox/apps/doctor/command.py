@@ -12,9 +12,8 @@ from rich.console import Console  # noqa: TID251 - its cells are printable text
 from rich.table import Table
 from rich.text import Text
 
-from edgevox.apps.doctor.check import Check, CheckAnswer, Situation
+from edgevox.apps.doctor.check import Check, CheckAnswer, Situation, ask
 from edgevox.apps.doctor.checks import CHECKS
-from edgevox.apps.doctor.runner import ask
 from edgevox.apps.flags import add_flags, given_flags
 from edgevox.apps.robots import ROBOTS
 from edgevox.apps.streams import show, with_streams

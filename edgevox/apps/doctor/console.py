@@ -10,7 +10,7 @@ from importlib.util import find_spec
 
 from edgevox.apps.doctor.check import CheckVerdict, Facts, Situation, error, ok, skipped, warning
 from edgevox.apps.health import reachable
-from edgevox.core.process.extras import install_extra
+from edgevox.core.errors import install_extra
 from edgevox.core.settings import Settings
 
 MODULES = ("aiohttp", "cryptography")
@@ -26,7 +26,7 @@ def probe_console(situation: Situation) -> Facts:
     missing = [name for name in MODULES if find_spec(name) is None]
     if missing:
         return {"on": True, "missing": missing}
-    from edgevox.console.open_console import is_loopback
+    from edgevox.console.console_server import is_loopback
 
     return {
         "on": True,

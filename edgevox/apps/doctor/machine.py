@@ -1,9 +1,14 @@
-"""The checks of Python, processor, memory, disks, clock, GPU, and OpenGL without a display."""
+"""The checks of the machine and of this process.
+
+Python, processor, memory, disks, clock, GPU, OpenGL without a display; settings, folders that must
+be writable, container.
+"""
 
 import ctypes
 import os
 import platform
 import sys
+import tempfile
 import time
 from pathlib import Path
 
@@ -11,14 +16,14 @@ from edgevox.agent.llm import weights
 from edgevox.agent.llm.factory import XLLAMACPP_NEEDS, missing_features
 from edgevox.agent.llm.weights import needed_bytes, read_memory
 from edgevox.apps.agent.models import find_weights
+from edgevox.apps.container.environment import warn_of_unknown
 from edgevox.apps.doctor.check import CheckVerdict, Facts, Situation, error, ok, skipped, warning
-from edgevox.apps.folders import written_folders
-from edgevox.core.errors import EdgeVoxError
-from edgevox.core.process.cgroup import cpu_quota, usable_cpus
-from edgevox.core.process.extras import install_extra
+from edgevox.apps.folders import needed_folders, ros_logs, written_folders
+from edgevox.core.errors import EdgeVoxError, install_extra
+from edgevox.core.process import cpu_quota, usable_cpus
 from edgevox.core.settings import NO_LLM, Settings
 from edgevox.models import Store
-from edgevox.ops.diagnostics.disk import MIB, DiskSpace, rooms
+from edgevox.ops.machine import MIB, DiskSpace, room, rooms, unwritable
 
 _WITH_CAMERA = ("robot-panda", "robot-humanoid")
 
@@ -169,7 +174,11 @@ def probe_disk(situation: Situation) -> Facts:
     return {
         "rooms": [
             [str(one.path), one.device, one.free, one.size, one.writable] for one in rooms(folders)
-        ]
+        ],
+        "sealed": [
+            str(one)
+            for one in unwritable(needed_folders(situation.settings, situation.environment))
+        ],
     }
 
 
@@ -180,6 +189,10 @@ def judge_disk(facts: Facts, _: Situation) -> list[CheckVerdict]:
         one = DiskSpace(Path(path), *rest)
         advice = f"free space in {path}" if one.level else ""
         said.append(CheckVerdict(one.level, f"{path}: {one.free // MIB} MiB free", advice))
+    said += [
+        warning(f"{path}: not writable, so nothing in it is kept", f"give {path} to this user")
+        for path in facts["sealed"]
+    ]
     return said or [ok("EdgeVox writes to no folder")]
 
 
@@ -217,3 +230,64 @@ def _llm_bytes(settings: Settings) -> int:
     except EdgeVoxError:
         model = Store().manifest.models.get(settings.llm)
         return needed_bytes(weights.Weights(model.size, 0), settings.llm_context) if model else 0
+
+
+def probe_settings(situation: Situation) -> Facts:
+    """List the given variables, and the unknown ones among them."""
+    unknown: list[str] = []
+    warn_of_unknown(situation.environment, unknown.append)
+    given = sorted(name for name in situation.environment if name.startswith("EDGEVOX_"))
+    return {"given": given, "unknown": unknown}
+
+
+def judge_settings(facts: Facts, situation: Situation) -> list[CheckVerdict]:
+    """Judge the settings: only here is a misspelled variable reported."""
+    unknown = [warning(one, "correct or remove it") for one in facts["unknown"]]
+    if situation.refused:
+        advice = "correct it; the other checks used the defaults"
+        return [error(situation.refused, advice), *unknown]
+    count = len(facts["given"]) - len(unknown)
+    return [*unknown, ok(f"valid; {count} from environment variables")]
+
+
+def probe_folders(situation: Situation) -> Facts:
+    """Test whether files can be made where they must be."""
+    logs = ros_logs(situation.environment)
+    return {
+        "tmp": room(Path(tempfile.gettempdir())).writable,
+        "logs": room(logs).writable,
+        "at": str(logs),
+    }
+
+
+def judge_folders(facts: Facts, _: Situation) -> CheckVerdict:
+    """Judge the folders: a read-only root may lack a tmpfs."""
+    if not facts["tmp"]:
+        return error("no folder for temporary files", "mount a tmpfs at /tmp")
+    if not facts["logs"]:
+        advice = (
+            "ROS 2 starts only where it can log: set ROS_LOG_DIR to a folder that can be written"
+        )
+        return warning(f"{facts['at']} cannot be written", advice)
+    return ok("temporary files and ROS 2's logs can be written")
+
+
+def probe_container(_: Situation) -> Facts:
+    """Find out whether this is a container, and its user."""
+    inside = Path("/.dockerenv").exists() or Path("/run/.containerenv").exists()
+    return {
+        "inside": inside or "KUBERNETES_SERVICE_HOST" in os.environ,
+        "uid": os.getuid(),
+        "read_only": bool(os.statvfs("/").f_flag & os.ST_RDONLY),
+    }
+
+
+def judge_container(facts: Facts, _: Situation) -> CheckVerdict:
+    """Root in a container is more than a robot needs."""
+    if not facts["inside"]:
+        return skipped("not in a container")
+    root = "read-only" if facts["read_only"] else "writable"
+    found = f"uid {facts['uid']}, {root} root file system"
+    if facts["uid"] == 0:
+        return warning(found, "run it as its own user (uid 1000), as docker-compose.ros2.yml does")
+    return ok(found)

@@ -12,7 +12,7 @@ from edgevox.core.languages import LANGUAGES
 from edgevox.core.settings import NO_LLM
 from edgevox.models import Store
 from edgevox.models.manifest import Model, ModelFile
-from edgevox.models.verification import has_right_bytes, is_whole
+from edgevox.models.store import has_right_bytes, is_whole
 
 ABSENT, DAMAGED, RIGHT = "absent", "damaged", "right"
 _READERS = 2

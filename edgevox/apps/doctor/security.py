@@ -4,7 +4,10 @@ from collections.abc import Mapping
 from datetime import UTC, datetime
 from typing import Any
 
-from edgevox.apps.dds_security import (
+from edgevox.apps.doctor.check import CheckVerdict, Facts, Situation, error, ok, warning
+from edgevox.core.errors import InvalidValue
+from edgevox.core.probe import probe_apart
+from edgevox.security.startup import (
     ENABLE,
     KEYSTORE,
     NO_SECURITY,
@@ -12,11 +15,8 @@ from edgevox.apps.dds_security import (
     Asked,
     asked_security,
     domain_of,
+    read_enclave,
 )
-from edgevox.apps.doctor.check import CheckVerdict, Facts, Situation, error, ok, warning
-from edgevox.apps.doctor.runner import probe_apart
-from edgevox.apps.enclave_files import read_enclave
-from edgevox.core.errors import InvalidValue
 
 NAMESPACE = "EDGEVOX_AGENT_NAMESPACE"
 AGENT = "edgevox-agent"

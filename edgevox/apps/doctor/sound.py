@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from edgevox.apps.doctor.check import CheckVerdict, Facts, Situation, error, ok, skipped, warning
-from edgevox.core.process.extras import install_extra
+from edgevox.core.errors import install_extra
 from edgevox.voice.devices import DeviceMissing, devices
 from edgevox.voice.echo.canceller import open_engine
 from edgevox.voice.sinks.open_sink import NONE, ROS2

@@ -1,4 +1,7 @@
-"""The server of a fleet's page, on this machine only."""
+"""A fleet's page on this machine: the file of its robots, and the server.
+
+The file is YAML, written by the fleet's people.
+"""
 
 import http.client
 import socket
@@ -9,17 +12,80 @@ from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass, field
 from importlib.resources import files
 from pathlib import Path
-from typing import Literal
+from typing import Annotated, Literal
 from urllib.parse import urlsplit
 
-from edgevox.apps.fleet.robots_file import FleetRobot, load_fleet
-from edgevox.apps.shutdown_signals import ShutdownSignals
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, StringConstraints
+
+from edgevox.apps.run_program import ShutdownSignals
 from edgevox.apps.streams import show
 from edgevox.core.clock import Clock, SystemClock
 from edgevox.core.errors import InvalidValue
 from edgevox.core.files.json_reader import read_json
+from edgevox.core.files.user_file import read_text
+from edgevox.core.files.yaml_file import YamlFile
 from edgevox.core.settings import Settings
 from edgevox.ops.http_server import HttpServer, Page, json_page
+
+MOST_ROBOTS = 200
+HEALTH_EXPECTED = "http://HOST:PORT, where the robot's health is served"
+CONSOLE_EXPECTED = "https://HOST:PORT, or http:, where a browser opens the robot's console"
+
+
+def _health(url: str) -> str:
+    if not _has_host(url, ("http",)) or urlsplit(url).path not in ("", "/"):
+        raise ValueError(HEALTH_EXPECTED)
+    return url.rstrip("/")
+
+
+def _console(url: str) -> str:
+    if not _has_host(url, ("http", "https")):
+        raise ValueError(CONSOLE_EXPECTED)
+    return url
+
+
+def _has_host(url: str, schemes: tuple[str, ...]) -> bool:
+    """Return whether it is a URL of such a scheme, without user name or password."""
+    try:
+        parts = urlsplit(url)
+        return (
+            parts.scheme in schemes
+            and bool(parts.hostname)
+            and "@" not in parts.netloc
+            and (parts.port is None or parts.port > 0)
+        )
+    except ValueError:  # a port that is none, a bracket too many
+        return False
+
+
+class FleetRobot(BaseModel):
+    """The URLs of a robot's health and console; an empty console gives no link."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    health: Annotated[str, AfterValidator(_health)]
+    console: Annotated[str, AfterValidator(_console)] = ""
+
+
+Name = Annotated[str, StringConstraints(min_length=1, max_length=60, strip_whitespace=True)]
+
+
+class FleetFile(BaseModel):
+    """A whole file."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    robots: Annotated[dict[Name, FleetRobot], Field(min_length=1, max_length=MOST_ROBOTS)]
+
+
+def load_fleet(path: Path) -> Mapping[str, FleetRobot]:
+    """The robots by name, in the file's order.
+
+    Raises `InvalidValue` naming the file, the field, its value and what was expected.
+    """
+    file = YamlFile(read_text(path, "robots"), path.name)
+    return file.read(FleetFile, file.data).robots
+
 
 ASK_EVERY_S = 2.0
 ANSWER_WITHIN_S = 2.0

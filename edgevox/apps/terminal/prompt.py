@@ -10,17 +10,16 @@ from prompt_toolkit.formatted_text import AnyFormattedText
 from prompt_toolkit.patch_stdout import patch_stdout
 from prompt_toolkit.styles import Style
 
-from edgevox.apps.shutdown_signals import ShutdownSignals
+from edgevox.apps.run_program import ShutdownSignals
 from edgevox.apps.streams import show
 from edgevox.apps.terminal.slash_commands import Leave, SlashContext, is_slow, run_command
 from edgevox.apps.terminal.view import View
 from edgevox.core.bus import Bus
 from edgevox.core.clock import Clock
-from edgevox.core.commands import Interrupt, TextInput
+from edgevox.core.commands import Interrupt, TextInput, Way
 from edgevox.core.events import Cause
 from edgevox.core.files.text import printable_in_colour
 from edgevox.core.log import get_logger
-from edgevox.core.ways import Way
 
 log = get_logger(__name__)
 
@@ -66,7 +65,7 @@ class Prompt:
 
         No line waits for the action of an earlier one.
         """
-        from edgevox.apps.tui.run_tui import stderr_as_lines
+        from edgevox.apps.terminal.screen import stderr_as_lines
 
         shutdown.gently = self._leave
         try:

@@ -8,7 +8,7 @@ from collections.abc import Callable
 
 from edgevox.agent.skills import STOP
 from edgevox.apps.agent.parts import AgentParts
-from edgevox.apps.shutdown_signals import ShutdownSignals
+from edgevox.apps.run_program import ShutdownSignals
 from edgevox.apps.streams import show
 from edgevox.apps.terminal.lines import InputLines, typed_ahead
 from edgevox.apps.terminal.slash_commands import Leave, SlashContext, is_stop, run_command
@@ -16,10 +16,9 @@ from edgevox.apps.terminal.view import View
 from edgevox.core.agent_events import GoalChanged
 from edgevox.core.bus import Bus
 from edgevox.core.clock import SystemClock
-from edgevox.core.commands import TextInput
+from edgevox.core.commands import TextInput, Way
 from edgevox.core.motion.interlock import Interlock
-from edgevox.core.ways import Way
-from edgevox.voice.sources.files import WavFiles
+from edgevox.voice.sources.open_source import WavFiles
 
 
 def run_script(
@@ -94,7 +93,7 @@ def run_terminal(parts: AgentParts, shutdown: ShutdownSignals) -> None:
 
             Prompt(parts.bus, context, SystemClock()).run(shutdown, typed)
             return
-        from edgevox.apps.tui import run_tui
+        from edgevox.apps.terminal.screen import run_tui
 
         run_tui(parts, shutdown, typed)
     elif not (

@@ -1,18 +1,29 @@
-"""The view of the bus on a terminal: answers as they come, and the running skill's progress."""
+"""Views of the bus on a terminal: answers as they come, and the running skill's progress.
+
+`View` makes lines; `UpdateBuffer` keeps events, from any thread, until the screen is drawn next.
+"""
 
 import threading
-from collections import Counter
+from collections import Counter, deque
 from collections.abc import Callable
+from dataclasses import dataclass
 
 from edgevox.core.agent_events import AgentEvent, GoalCancelled, GoalChanged, GoalStatus, HandedOver
 from edgevox.core.bus import Bus
+from edgevox.core.controls import Controls
 from edgevox.core.events import (
+    AudioLevel,
+    ControlChanged,
     Responded,
     SentenceReady,
+    State,
+    StateChanged,
     TokenGenerated,
     Transcribed,
+    TurnMeasured,
+    WakeWordHeard,
 )
-from edgevox.core.files.text import clean, one_line
+from edgevox.core.files.text import clean, one_line, printable_in_colour
 
 BAR_WIDTH = 20
 
@@ -106,3 +117,115 @@ def _progress(goal: GoalChanged | GoalCancelled) -> str:
         return call
     filled = round(done * BAR_WIDTH)
     return f"{call}  {'█' * filled}{'░' * (BAR_WIDTH - filled)} {done:4.0%}"
+
+
+TURNS = 5
+"""The number of latest turns that are remembered."""
+MAX_LINES = 500
+"""Lines that wait to be drawn; older ones are dropped."""
+
+
+@dataclass(frozen=True, slots=True)
+class ScreenUpdate:
+    """The news and the current state."""
+
+    lines: tuple[str, ...]
+    """Of the conversation."""
+    log_lines: tuple[str, ...]
+    """Written by the program and its libraries."""
+    status: str
+    state: State
+    level: float
+    """The microphone's, 0 to 1."""
+    language: str
+    voice: str
+    muted: bool
+    turns: tuple[TurnMeasured, ...]
+
+
+class UpdateBuffer:
+    """Subscribes to the bus. `changed` is called once for all that comes before the next `take`."""
+
+    def __init__(self, bus: Bus, controls: Controls) -> None:
+        self._controls = controls
+        self._lock = threading.Lock()
+        self._lines: deque[str] = deque(maxlen=MAX_LINES)
+        self._log_lines: deque[str] = deque(maxlen=MAX_LINES)
+        self._state = State.LISTENING
+        self._level = 0.0
+        self._turns: deque[TurnMeasured] = deque(maxlen=TURNS)
+        self._told = False
+        self.changed: Callable[[], object] = lambda: None
+        self._view = View(bus, self.write, self._tell)
+        self._forget = [
+            bus.subscribe(StateChanged, self._on_state),
+            bus.subscribe(AudioLevel, self._on_level),
+            bus.subscribe(TurnMeasured, self._on_turn),
+            bus.subscribe(WakeWordHeard, lambda event: self.write(f"  [{event.phrase}]")),
+            bus.subscribe(ControlChanged, lambda _: self._tell()),
+        ]
+
+    def close(self) -> None:
+        """Collect nothing more."""
+        self._view.close()
+        for forget in self._forget:
+            forget()
+
+    def expect(self, text: str) -> None:
+        """Do not show this text again: it was typed here."""
+        self._view.expect(text)
+
+    def write(self, line: str) -> None:
+        """Add a line to the transcript."""
+        with self._lock:
+            self._lines.append(one_line(line))
+        self._tell()
+
+    def log(self, line: str) -> None:
+        """Add a line to the log, which may bring its own colours."""
+        with self._lock:
+            self._log_lines.append(printable_in_colour(line))
+        self._tell()
+
+    def take(self) -> ScreenUpdate:
+        """Return the news since the last call."""
+        with self._lock:
+            self._told = False
+            lines = tuple(self._lines)
+            log_lines = tuple(self._log_lines)
+            self._lines.clear()
+            self._log_lines.clear()
+            state, level, turns = self._state, self._level, tuple(self._turns)
+        controls = self._controls
+        return ScreenUpdate(
+            lines,
+            log_lines,
+            self._view.status,
+            state,
+            level,
+            controls.language,
+            controls.voice,
+            controls.muted,
+            turns,
+        )
+
+    def _tell(self) -> None:
+        with self._lock:
+            told, self._told = self._told, True
+        if not told:
+            self.changed()
+
+    def _on_state(self, event: StateChanged) -> None:
+        with self._lock:
+            self._state = event.state
+        self._tell()
+
+    def _on_level(self, event: AudioLevel) -> None:
+        with self._lock:
+            self._level = event.level
+        self._tell()
+
+    def _on_turn(self, event: TurnMeasured) -> None:
+        with self._lock:
+            self._turns.append(event)
+        self._tell()

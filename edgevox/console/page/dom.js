@@ -65,7 +65,7 @@ export function sign(name) {
   svg.setAttribute("class", "sign");
   svg.setAttribute("aria-hidden", "true");
   const use = document.createElementNS(SVG, "use");
-  use.setAttribute("href", `/static/icons/signs.svg#${name}`);
+  use.setAttribute("href", `${new URL("icons/signs.svg", import.meta.url)}#${name}`);
   svg.append(use);
   return svg;
 }

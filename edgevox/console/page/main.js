@@ -1,4 +1,5 @@
 /** Puts the page together. */
+import { me } from "./boot.js";
 import { doPanel } from "./do.js";
 import { h, sign } from "./dom.js";
 import { knowPanel } from "./know.js";
@@ -89,10 +90,9 @@ function look(link) {
 }
 
 async function start() {
-  await loadWords();
-  const me = await fetch("/api/me", { cache: "no-store" });
+  const [answer] = await Promise.all([me, loadWords()]);
   const place = document.getElementById("page");
-  if (me.status === 401) return place?.replaceChildren(pairPage(() => location.reload()));
+  if (answer.status === 401) return place?.replaceChildren(pairPage(() => location.reload()));
   const store = new Store();
   const link = new Link(store);
   consolePage(store, link);

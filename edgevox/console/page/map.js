@@ -1,8 +1,5 @@
 /** The map: a canvas that is painted when something changed, and what a tap on it offers. */
 import { h, sign } from "./dom.js";
-import { colours, drawLive, drawScene } from "./map_draw.js";
-import { MapGrid } from "./map_grid.js";
-import { MapView, moveByHand } from "./map_view.js";
 import { tellRefusal, toast, whyNot } from "./notices.js";
 import { number, say } from "./words.js";
 
@@ -144,4 +141,355 @@ function namedBy(event) {
   } catch {
     return undefined;
   }
+}
+
+// Where the map stands on its canvas: metres to pixels and back, moved by fingers, mouse and keys.
+
+const FURTHEST = 0.01;
+const CLOSEST = 400;
+
+class MapView {
+  /** @param {HTMLCanvasElement} canvas */
+  constructor(canvas) {
+    this.canvas = canvas;
+    /** Pixels of a metre. */
+    this.scale = 50;
+    this.x = 0;
+    this.y = 0;
+    /** @type {[number, number, number, number] | null} */
+    this.bounds = null;
+    /** Whether the whole map is kept in sight. */
+    this.whole = true;
+    this.width = 0;
+    this.height = 0;
+  }
+
+  /** Fit the canvas to its place; true if it changed. */
+  resize() {
+    const { clientWidth: width, clientHeight: height } = this.canvas;
+    const dense = Math.min(2, window.devicePixelRatio || 1);
+    if (width === this.width && height === this.height && this.canvas.width === Math.round(width * dense)) return false;
+    this.width = width;
+    this.height = height;
+    this.canvas.width = Math.round(width * dense);
+    this.canvas.height = Math.round(height * dense);
+    this.dense = dense;
+    if (this.whole) this.fit();
+    return true;
+  }
+
+  fit() {
+    this.whole = true;
+    if (!this.bounds || !this.width) return;
+    const [x0, y0, x1, y1] = this.bounds;
+    const fits = Math.min((this.width - 24) / (x1 - x0), (this.height - 24) / (y1 - y0));
+    this.scale = Math.min(CLOSEST, Math.max(FURTHEST, fits));
+    this.x = (x0 + x1) / 2;
+    this.y = (y0 + y1) / 2;
+  }
+
+  /** @param {number} x @param {number} y @returns {[number, number]} metres to pixels of the page */
+  toScreen(x, y) {
+    return [this.width / 2 + (x - this.x) * this.scale, this.height / 2 - (y - this.y) * this.scale];
+  }
+
+  /** @param {number} px @param {number} py @returns {[number, number]} */
+  toMap(px, py) {
+    return [this.x + (px - this.width / 2) / this.scale, this.y - (py - this.height / 2) / this.scale];
+  }
+
+  /** @param {number} dx @param {number} dy pixels */
+  pan(dx, dy) {
+    this.whole = false;
+    this.x -= dx / this.scale;
+    this.y += dy / this.scale;
+  }
+
+  /** @param {number} factor @param {number} px @param {number} py what stays where it is */
+  zoom(factor, px = this.width / 2, py = this.height / 2) {
+    const [x, y] = this.toMap(px, py);
+    this.whole = false;
+    this.scale = Math.min(CLOSEST, Math.max(FURTHEST, this.scale * factor));
+    const [nx, ny] = this.toMap(px, py);
+    this.x += x - nx;
+    this.y += y - ny;
+  }
+}
+
+/**
+ * Two fingers or a wheel zoom, one finger moves, a tap is a tap.
+ * @param {HTMLCanvasElement} canvas
+ * @param {MapView} view
+ * @param {() => void} changed
+ * @param {(x: number, y: number) => void} tapped pixels of the canvas
+ */
+function moveByHand(canvas, view, changed, tapped) {
+  /** @type {Map<number, {x: number, y: number}>} */
+  const fingers = new Map();
+  let moved = 0;
+  canvas.addEventListener("pointerdown", (event) => {
+    canvas.setPointerCapture(event.pointerId);
+    if (!fingers.size) moved = 0;
+    fingers.set(event.pointerId, { x: event.offsetX, y: event.offsetY });
+    if (fingers.size > 1) moved = 99;
+  });
+  canvas.addEventListener("pointermove", (event) => {
+    const last = fingers.get(event.pointerId);
+    if (!last) return;
+    const [dx, dy] = [event.offsetX - last.x, event.offsetY - last.y];
+    moved += Math.hypot(dx, dy);
+    const other = [...fingers].find(([id]) => id !== event.pointerId)?.[1];
+    if (other) {
+      const before = Math.hypot(last.x - other.x, last.y - other.y);
+      const after = Math.hypot(event.offsetX - other.x, event.offsetY - other.y);
+      view.zoom(after / Math.max(1, before), other.x, other.y);
+    } else if (moved > 6) view.pan(dx, dy);
+    fingers.set(event.pointerId, { x: event.offsetX, y: event.offsetY });
+    changed();
+  });
+  canvas.addEventListener("pointerup", (event) => {
+    if (fingers.delete(event.pointerId) && !fingers.size && moved <= 6) tapped(event.offsetX, event.offsetY);
+  });
+  canvas.addEventListener("pointercancel", (event) => fingers.delete(event.pointerId));
+  canvas.addEventListener("wheel", (event) => {
+    event.preventDefault();
+    view.zoom(Math.exp(-event.deltaY / 400), event.offsetX, event.offsetY);
+    changed();
+  }, { passive: false });
+  canvas.addEventListener("keydown", (event) => {
+    /** @type {Record<string, () => void>} */
+    const keys = {
+      ArrowLeft: () => view.pan(40, 0), ArrowRight: () => view.pan(-40, 0),
+      ArrowUp: () => view.pan(0, 40), ArrowDown: () => view.pan(0, -40),
+      "+": () => view.zoom(1.25), "=": () => view.zoom(1.25), "-": () => view.zoom(0.8), 0: () => view.fit(),
+      Enter: () => tapped(view.width / 2, view.height / 2),
+    };
+    if (!keys[event.key]) return;
+    event.preventDefault();
+    keys[event.key]();
+    changed();
+  });
+}
+
+// A map of cells, such as a robot makes for itself: a grey picture, shown in the colours of the page.
+
+/** @typedef {import("./wire.js").Grid} Grid */
+
+class MapGrid {
+  /** @param {() => void} changed it is to be painted anew */
+  constructor(changed) {
+    this.changed = changed;
+    /** @type {Grid | undefined} */
+    this.wanted = undefined;
+    /** What is shown: the one before it, until the wanted one is decoded. @type {{at: Grid, image: HTMLImageElement} | null} */
+    this.shown = null;
+    /** The same in colours. @type {{image: HTMLImageElement, c: Record<string, string>, canvas: HTMLCanvasElement} | null} */
+    this.coloured = null;
+  }
+
+  /** @param {Grid | undefined} grid */
+  show(grid) {
+    this.wanted = grid;
+    if (!grid) this.shown = null;
+    if (!grid) return;
+    const image = new Image();
+    image.onload = () => {
+      if (this.wanted !== grid) return;
+      this.shown = { at: grid, image };
+      this.changed();
+    };
+    image.src = `data:image/png;base64,${grid.png}`;
+  }
+
+  /** @param {CanvasRenderingContext2D} g @param {MapView} view @param {Record<string, string>} c */
+  draw(g, view, c) {
+    if (!this.shown) return;
+    const { at, image } = this.shown;
+    if (this.coloured?.image !== image || this.coloured.c !== c) this.coloured = { image, c, canvas: colour(image, c) };
+    const cell = at.resolution * view.scale;
+    g.save();
+    g.translate(...view.toScreen(at.x, at.y));
+    g.rotate(-at.yaw);
+    g.imageSmoothingEnabled = cell < 1;
+    g.drawImage(this.coloured.canvas, 0, -image.naturalHeight * cell, image.naturalWidth * cell, image.naturalHeight * cell);
+    g.restore();
+  }
+}
+
+/** Black is unknown and left out, grey is free, white a wall. @param {HTMLImageElement} image @param {Record<string, string>} c */
+function colour(image, c) {
+  const canvas = h("canvas", { width: image.naturalWidth, height: image.naturalHeight });
+  const g = /** @type {CanvasRenderingContext2D} */ (canvas.getContext("2d"));
+  const pixels = (/** @type {number} */ wide, /** @type {number} */ high) => g.getImageData(0, 0, wide, high);
+  const [free, wall] = [c.room, c.wall].map((name) => {
+    g.fillStyle = name;
+    g.fillRect(0, 0, 1, 1);
+    return new Uint32Array(pixels(1, 1).data.buffer)[0];
+  });
+  g.drawImage(image, 0, 0);
+  const all = pixels(canvas.width, canvas.height);
+  const cells = new Uint32Array(all.data.buffer);
+  cells.forEach((cell, i) => {
+    const grey = (cell >>> 8) & 255;
+    cells[i] = grey > 191 ? wall : grey > 63 ? free : 0;
+  });
+  g.putImageData(all, 0, 0);
+  return canvas;
+}
+
+// The map as it is painted: what stands still once, what moves with every picture.
+
+/** @typedef {import("./wire.js").Shape} Shape */
+
+const NAMES = ["floor", "room", "wall", "furniture", "furniture-line", "lidar", "path", "text", "quiet",
+  "accent", "on-accent", "card", "line"];
+
+/** The colours of the style sheet, for a canvas. @returns {Record<string, string>} */
+function colours() {
+  const style = getComputedStyle(document.documentElement);
+  return Object.fromEntries(NAMES.map((name) => [name, style.getPropertyValue(`--${name}`).trim()]));
+}
+
+/** @param {CanvasRenderingContext2D} g @param {MapView} view @param {Shape} shape */
+function trace(g, view, { points, circle }) {
+  g.beginPath();
+  if (circle) {
+    const [x, y] = view.toScreen(circle[0], circle[1]);
+    g.arc(x, y, circle[2] * view.scale, 0, 2 * Math.PI);
+  } else for (const [x, y] of points ?? []) g.lineTo(...view.toScreen(x, y));
+  g.closePath();
+}
+
+/** @param {CanvasRenderingContext2D} g @param {MapView} view @param {Shape[] | undefined} shapes */
+function fillAll(g, view, shapes, fill = "", line = "") {
+  for (const shape of shapes ?? []) {
+    trace(g, view, shape);
+    if (fill) { g.fillStyle = fill; g.fill(); }
+    if (line) { g.strokeStyle = line; g.lineWidth = 1; g.stroke(); }
+  }
+}
+
+/** @param {CanvasRenderingContext2D} g @param {string} text @param {number} x @param {number} y @param {string} colour @param {string} halo */
+function label(g, text, x, y, colour, halo) {
+  g.lineWidth = 3;
+  g.strokeStyle = halo;
+  g.strokeText(text, x, y);
+  g.fillStyle = colour;
+  g.fillText(text, x, y);
+}
+
+/**
+ * @param {CanvasRenderingContext2D} g
+ * @param {MapView} view
+ * @param {import("./wire.js").Scene} scene
+ * @param {Record<string, string>} c
+ * @param {MapGrid} grid
+ */
+function drawScene(g, view, scene, c, grid) {
+  const [x0, y0, x1, y1] = scene.bounds;
+  fillAll(g, view, [{ points: [[x0, y0], [x1, y0], [x1, y1], [x0, y1]] }], c.floor);
+  grid.draw(g, view, c);
+  fillAll(g, view, scene.rooms?.map((room) => ({ points: room.outline })), c.room, c.line);
+  fillAll(g, view, scene.furniture, c.furniture, c["furniture-line"]);
+  fillAll(g, view, scene.walls, c.wall, c.wall);
+}
+
+/**
+ * @param {CanvasRenderingContext2D} g
+ * @param {MapView} view
+ * @param {import("./wire.js").Live} live
+ * @param {import("./wire.js").Scene} scene
+ * @param {Record<string, string>} c
+ */
+function drawLive(g, view, live, scene, c) {
+  fillAll(g, view, live.furniture, c.furniture, c["furniture-line"]);
+  drawNames(g, view, scene, c);
+  g.fillStyle = c.lidar;
+  const lidar = live.lidar ?? [];
+  for (let i = 0; i + 1 < lidar.length; i += 2) {
+    const [x, y] = view.toScreen(lidar[i], lidar[i + 1]);
+    g.fillRect(x - 1, y - 1, 2, 2);
+  }
+  drawPath(g, view, live, c);
+  for (const thing of live.things ?? []) {
+    const [x, y] = view.toScreen(thing.x, thing.y);
+    g.fillStyle = c.accent;
+    g.fillRect(x - 5, y - 5, 10, 10);
+    label(g, thing.label ?? thing.name, x, y - 14, c.text, c.floor);
+  }
+  if (live.pose) drawRobot(g, view, live.pose, scene.radius ?? 0.2, c);
+}
+
+/** @param {[number, number][]} outline @returns {[number, number]} the middle of the box around it */
+function middle(outline) {
+  const half = (/** @type {number[]} */ v) => (Math.min(...v) + Math.max(...v)) / 2;
+  return [half(outline.map((p) => p[0])), half(outline.map((p) => p[1]))];
+}
+
+/** @param {CanvasRenderingContext2D} g @param {MapView} view @param {import("./wire.js").Scene} scene @param {Record<string, string>} c */
+function drawNames(g, view, scene, c) {
+  g.textAlign = "center";
+  g.textBaseline = "middle";
+  g.font = "600 13px system-ui, sans-serif";
+  for (const room of scene.rooms ?? []) {
+    const at = room.outline?.length ? middle(room.outline) : room.goal;
+    if (at) label(g, room.label ?? room.name, ...view.toScreen(at[0], at[1]), c.quiet, c.room);
+  }
+  g.font = "12px system-ui, sans-serif";
+  for (const place of scene.places ?? []) {
+    const [x, y] = view.toScreen(place.x, place.y);
+    g.fillStyle = c.accent;
+    g.beginPath();
+    g.arc(x, y, 4, 0, 2 * Math.PI);
+    g.fill();
+    label(g, place.label ?? place.name, x, y - 12, c.text, c.floor);
+  }
+}
+
+/** @param {CanvasRenderingContext2D} g @param {MapView} view @param {import("./wire.js").Live} live @param {Record<string, string>} c */
+function drawPath(g, view, { path, goal, pose }, c) {
+  if (path?.length || goal) {
+    g.beginPath();
+    for (const [x, y] of path ?? (goal && pose ? [[pose.x, pose.y], [goal.x, goal.y]] : [])) g.lineTo(...view.toScreen(x, y));
+    g.strokeStyle = c.path;
+    g.lineWidth = 3;
+    g.lineJoin = "round";
+    g.setLineDash(path?.length ? [] : [6, 6]);
+    g.stroke();
+    g.setLineDash([]);
+  }
+  if (!goal) return;
+  const [x, y] = view.toScreen(goal.x, goal.y);
+  g.strokeStyle = c.path;
+  g.lineWidth = 3;
+  for (const size of [4, 10]) {
+    g.beginPath();
+    g.arc(x, y, size, 0, 2 * Math.PI);
+    g.stroke();
+  }
+}
+
+/** @param {CanvasRenderingContext2D} g @param {MapView} view @param {{x: number, y: number, yaw: number}} pose @param {number} radius @param {Record<string, string>} c */
+function drawRobot(g, view, pose, radius, c) {
+  const [x, y] = view.toScreen(pose.x, pose.y);
+  const size = Math.max(9, radius * view.scale);
+  g.save();
+  g.translate(x, y);
+  g.rotate(-pose.yaw);
+  g.beginPath();
+  g.arc(0, 0, size, 0, 2 * Math.PI);
+  g.fillStyle = c.accent;
+  g.strokeStyle = c.card;
+  g.lineWidth = 2.5;
+  g.fill();
+  g.stroke();
+  g.beginPath();
+  g.moveTo(size * 0.62, 0);
+  g.lineTo(-size * 0.35, size * 0.45);
+  g.lineTo(-size * 0.1, 0);
+  g.lineTo(-size * 0.35, -size * 0.45);
+  g.closePath();
+  g.fillStyle = c["on-accent"];
+  g.fill();
+  g.restore();
 }

@@ -1,7 +1,6 @@
 /** Recordings: begun, ended, taken home and deleted by who commands; that one runs, everybody sees. */
-import { question } from "./ask.js";
 import { h, section, sign } from "./dom.js";
-import { tellRefusal, toast } from "./notices.js";
+import { question, tellRefusal, toast } from "./notices.js";
 import { language, number, say } from "./words.js";
 
 /** @param {number} [bytes] */

@@ -1,7 +1,7 @@
 /** What is seen: map or picture, how far the goal is, battery, joints, hand and things. */
 import { h } from "./dom.js";
+import { socketAddress } from "./link.js";
 import { mapCard } from "./map.js";
-import { pictureCard } from "./picture.js";
 import { number, say } from "./words.js";
 
 const SLOW_MS = 400;
@@ -70,4 +70,46 @@ function factsOf(live) {
   for (const thing of live.things ?? [])
     facts.push([thing.label ?? thing.name, thing.held ? say("held") : `${number(thing.x, 2)}, ${number(thing.y, 2)} m`]);
   return facts;
+}
+
+// Pictures of the robot's camera: the next one is asked for when this one is shown.
+
+const AGAIN_MS = 2000;
+
+/** @param {import("./store.js").Store} store */
+function pictureCard(store) {
+  const image = h("img", { class: "picture", alt: say("camera"), hidden: true });
+  const card = h("div", { class: "picture-card", hidden: true }, image);
+  /** @type {WebSocket | null} */
+  let socket = null;
+  let url = "";
+  const wanted = () => store.link === "ready" && store.capabilities.picture && !document.hidden && card.offsetParent !== null;
+  const open = () => {
+    const made = (socket = new WebSocket(socketAddress("/ws/view")));
+    made.binaryType = "blob";
+    made.onopen = () => made.send("ack");
+    made.onmessage = (event) => {
+      URL.revokeObjectURL(url);
+      image.src = url = URL.createObjectURL(event.data);
+    };
+    const next = () => made.readyState === WebSocket.OPEN && made.send("ack");
+    image.onload = () => {
+      image.hidden = false;
+      next();
+    };
+    image.onerror = next;
+    made.onclose = () => made === socket && (socket = null);
+  };
+  const look = () => {
+    card.hidden = !store.capabilities.picture;
+    if (wanted() && !socket) open();
+    if (!wanted() && socket) {
+      socket.close();
+      socket = null;
+    }
+  };
+  for (const type of ["hello", "link"]) store.on(type, look);
+  document.addEventListener("visibilitychange", look);
+  setInterval(look, AGAIN_MS);
+  return card;
 }

@@ -1,9 +1,8 @@
 /** The robot's settings that can change while it runs, and the language of this page. */
-import { question } from "./ask.js";
-import { certificateLink } from "./certificate.js";
+import { certificateLink } from "./pair.js";
 import { h, redraw } from "./dom.js";
 import { onlyWithControl } from "./lease.js";
-import { tellRefusal } from "./notices.js";
+import { question, tellRefusal } from "./notices.js";
 import { LANGUAGES, chooseLanguage, language, say, sayOr } from "./words.js";
 
 const CONFIRMS = ["never", "unsure", "always"];

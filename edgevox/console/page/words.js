@@ -21,10 +21,15 @@ function wanted() {
   return asked.find((one) => one && one in LANGUAGES) ?? "en";
 }
 
-/** Fetch the words of the language that this browser wants. */
-export async function loadWords() {
+/** @type {Promise<void> | undefined} */
+let loading;
+
+/** Fetch the words of the language that this browser wants, once. */
+export const loadWords = () => (loading ??= fetchWords());
+
+async function fetchWords() {
   code = wanted();
-  const answer = await fetch(`/static/languages/${code}.json`);
+  const answer = await fetch(new URL(`languages/${code}.json`, import.meta.url));
   if (!answer.ok) throw new TypeError(answer.statusText);
   words = await answer.json();
   document.documentElement.lang = code;

@@ -4,9 +4,8 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from edgevox.models.fetch_progress import FetchProgress
-from edgevox.models.manifest import ModelFile
+from edgevox.models.manifest import GitSource, ModelFile
 from edgevox.models.model_errors import SourceFailed
-from edgevox.models.source_specs import GitSource
 from edgevox.models.sources.tools import run_tool
 
 TIMEOUT_S = 1800.0

@@ -6,11 +6,10 @@ from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
-from edgevox.core.process.extras import install_extra
+from edgevox.core.errors import install_extra
 from edgevox.models.fetch_progress import FetchProgress
-from edgevox.models.manifest import ModelFile
+from edgevox.models.manifest import HubSource, ModelFile
 from edgevox.models.model_errors import SourceFailed
-from edgevox.models.source_specs import HubSource
 from edgevox.models.sources.tools import place_for
 
 CONNECT_TIMEOUT_S = 5.0

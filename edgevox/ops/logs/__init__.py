@@ -3,11 +3,18 @@
 Modules write lines with `edgevox.core.log`; only programs set this up. Imports core.
 """
 
-from edgevox.ops.logs.levels import LEVELS, level_of, set_level
 from edgevox.ops.logs.limit import RateLimit
 from edgevox.ops.logs.observer import BusLog
-from edgevox.ops.logs.setup import is_set_up, set_up, tear_down, writes_json
-from edgevox.ops.logs.turn_lines import TurnLines
+from edgevox.ops.logs.setup import (
+    LEVELS,
+    TurnLines,
+    is_set_up,
+    level_of,
+    set_level,
+    set_up,
+    tear_down,
+    writes_json,
+)
 
 __all__ = [
     "LEVELS",

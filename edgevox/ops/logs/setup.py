@@ -7,6 +7,14 @@ a reader that has stopped: lines would pile up or vanish uncounted, the program'
 that thread, and the last lines before a crash would still be in the queue.
 
 Uncaught errors become lines of the log: of threads, the main thread and finalisers.
+
+A logger is called after its module: `edgevox` is all of EdgeVox, `edgevox.voice` speech in and out;
+a library has its own name. The empty name is above all, and begins with the setting `log_level`.
+Levels have the names that ROS 2 uses, and may change while all runs; a level of 0 means: as the
+logger above.
+
+`TurnLines` gives the lines of one turn or goal to whoever may watch: without speech, traces and
+floods.
 """
 
 import contextlib
@@ -16,18 +24,41 @@ import logging
 import os
 import sys
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from io import UnsupportedOperation
 from types import TracebackType
 from typing import Any, TextIO
 
-from edgevox.core.log import LogLine, get_logger
-from edgevox.core.process.output_stream import OutputReader
+from edgevox.core.files.text import one_line
+from edgevox.core.log import ROOT, LogLine, get_logger
+from edgevox.core.process import OutputReader
 from edgevox.core.settings import Settings
 from edgevox.ops.logs.limit import RateLimit
-from edgevox.ops.logs.line_formatter import console_lines, json_lines
+from edgevox.ops.logs.line_formatter import IDS, console_lines, json_lines, plain
 
 log = get_logger(__name__)
+
+LEVELS: Mapping[str, int] = {
+    "unset": logging.NOTSET,
+    "debug": logging.DEBUG,
+    "info": logging.INFO,
+    "warn": logging.WARNING,
+    "warning": logging.WARNING,
+    "error": logging.ERROR,
+    "fatal": logging.CRITICAL,
+}
+"""The numbers are the same for Python and for ROS 2."""
+
+
+def level_of(name: str) -> int:
+    """The level that was set for this logger; 0 if none was. Makes no logger."""
+    logger = logging.getLogger() if not name else logging.Logger.manager.loggerDict.get(name)
+    return logger.level if isinstance(logger, logging.Logger) else logging.NOTSET
+
+
+def set_level(name: str, level: int) -> None:
+    """Show this logger's lines of that level and above, and those of the loggers below it."""
+    logging.getLogger(name or None).setLevel(level)
 
 
 class LineStream(logging.Handler):
@@ -212,3 +243,59 @@ def _show_crashes() -> None:
 
 def _always() -> bool:
     return True
+
+
+MOST_CHARACTERS = 400
+"""Of the fields of one line; the rest is in the log itself."""
+
+Tell = Callable[[Mapping[str, Any]], object]
+
+
+class TurnLines(logging.Handler):
+    """Gives EdgeVox's own lines that belong to a turn or a goal to `tell`, from `open` to `close`.
+
+    Each is a mapping of `level`, `event`, `turn` (0 without one) and `text`, its other fields. What
+    somebody said is told as its length, whatever `log_speech` says; an exception as its kind. Lines
+    of libraries, which mark nothing, are not told. `tell` is called on any thread.
+    """
+
+    def __init__(self, tell: Tell) -> None:
+        super().__init__(logging.INFO)
+        self._tell = tell
+        self.addFilter(RateLimit())
+
+    def open(self) -> None:
+        """From now on. The program's own log decides first what is held back."""
+        logging.getLogger().addHandler(self)
+
+    def close(self) -> None:
+        """No more."""
+        logging.getLogger().removeHandler(self)
+        super().close()
+
+    def emit(self, record: logging.LogRecord) -> None:
+        """Tell one line, if it is one of a turn or a goal."""
+        line = record.msg
+        ours = f"{record.name}.".startswith(f"{ROOT}.")
+        if ours and isinstance(line, LogLine) and any(line.get(name) for name in IDS):
+            try:
+                self._tell(_told(record, line))
+            except Exception:  # noqa: BLE001 - told by handleError, as logging does
+                self.handleError(record)
+
+
+def _told(record: logging.LogRecord, line: LogLine) -> dict[str, Any]:
+    fields = {
+        name: plain(value, speech=False)
+        for name, value in line.items()
+        if name not in (*IDS, "event")
+    }
+    if record.exc_info and record.exc_info[0]:
+        fields["exception"] = record.exc_info[0].__name__
+    text = one_line(" ".join(f"{name}={value}" for name, value in fields.items()))
+    return {
+        "level": record.levelname.lower(),
+        "event": str(line.get("event", "")),
+        "turn": line.get("turn", 0),
+        "text": text[:MOST_CHARACTERS],
+    }

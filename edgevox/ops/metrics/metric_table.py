@@ -5,9 +5,9 @@ from dataclasses import dataclass, field
 from enum import StrEnum
 
 from edgevox.core.agent_events import GOAL_ENDS
+from edgevox.core.commands import Way
 from edgevox.core.errors import Refusal
 from edgevox.core.events import Cause, Outcome, State
-from edgevox.core.ways import Way
 
 PREFIX = "edgevox_"
 
@@ -289,6 +289,13 @@ _READ = (
         "Free space on the disk of the recordings",
         of="the recorder",
         read={"": "recorder.free_bytes"},
+    ),
+    Metric(
+        "edgevox_recordings_upload_failed",
+        Kind.GAUGE,
+        "1 while the last upload of recordings failed",
+        of="the recorder",
+        read={"": "recorder.upload_failed"},
     ),
     Metric(
         "edgevox_failures_total",

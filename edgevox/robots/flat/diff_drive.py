@@ -22,13 +22,15 @@ from edgevox.core.errors import finite
 from edgevox.core.transforms import Pose2D
 from edgevox.robots.capabilities import LidarScan, Report, SpeedLimit, Twist2D
 from edgevox.robots.command_mux import CommandMux
-from edgevox.robots.flat.drive import NavigationMotion
+from edgevox.robots.flat.drive import FlatMotion, NavigationMotion, RelativeFlatMotion
 from edgevox.robots.flat.engine import STEP_S, Engine, MotionState
 from edgevox.robots.flat.planner import PathPlanner
 from edgevox.robots.flat.run import DiffDriveRun
 from edgevox.robots.flat.text_map import draw
 from edgevox.robots.navigation import navigation_skills
 from edgevox.robots.places.memory import PlaceMemory
+from edgevox.robots.relative_motion import Course, StraightCourse, TurnCourse
+from edgevox.robots.relative_skills import driving_skills, where
 from edgevox.robots.shapes import Point
 from edgevox.robots.sim_loop import BROKE, SimLoop, SimulatedBody, SteppedBySimLoop
 from edgevox.robots.world.model import Room, World
@@ -49,8 +51,8 @@ def describe_motion(motion: MotionState) -> dict[str, Any]:
     }
 
 
-def describe_goal(drive: NavigationMotion | None) -> dict[str, float] | None:
-    """Describe a drive: its goal, its progress (0 to 1), and the metres left; None without one."""
+def describe_goal(drive: FlatMotion | None) -> dict[str, float] | None:
+    """Describe a motion: its goal, its progress (0 to 1), and the metres left; None without one."""
     if drive is None:
         return None
     progress = drive.progress()
@@ -58,7 +60,7 @@ def describe_goal(drive: NavigationMotion | None) -> dict[str, float] | None:
         "x": round(drive.goal[0], 3),
         "y": round(drive.goal[1], 3),
         "progress": round(progress.part, 3),
-        "distance": round(progress.left, 3),
+        "distance": round(progress.left, 3) if progress.unit == "m" else 0.0,
     }
 
 
@@ -96,7 +98,7 @@ class DiffDriveRobot(SteppedBySimLoop, SimulatedBody):
         self.max_linear_m_s = world.robot.max_linear_m_s
         self.max_angular_rad_s = world.robot.max_angular_rad_s
         self._lock = threading.RLock()
-        self._mux: CommandMux[NavigationMotion] = CommandMux(
+        self._mux: CommandMux[FlatMotion] = CommandMux(
             self._lock,
             max_linear_m_s=self.max_linear_m_s,
             max_angular_rad_s=self.max_angular_rad_s,
@@ -114,8 +116,9 @@ class DiffDriveRobot(SteppedBySimLoop, SimulatedBody):
         names = {room.name: room.names for room in world.rooms}
         own = OneOf(tuple(self._places), aliases, names=names)
         self.place_memory = PlaceMemory(world.name, own)
-        self._skills = navigation_skills(
-            self, hints, aliases, memory=self.place_memory, names=names
+        self._skills = (
+            *navigation_skills(self, hints, aliases, memory=self.place_memory, names=names),
+            *driving_skills(self),
         )
         self._sim_loop = SimLoop(
             self._step,
@@ -235,8 +238,22 @@ class DiffDriveRobot(SteppedBySimLoop, SimulatedBody):
         """
         goal = (finite("x", x_m), finite("y", y_m))
         token.check()
-        drive = self._begin(goal, self._forbidden_rooms())
+        forbidden = self._forbidden_rooms()
+        drive = self._begin(lambda: self._plan(goal, forbidden))
         self._mux.carry_out(drive, token, lambda: self._report(drive, report))
+
+    def drive_straight(self, distance_m: float, *, token: CancelToken, report: Report) -> None:
+        """Block until that far ahead, or back if negative; raises as `drive_to` does.
+
+        It goes round nothing: what its lidar sees in the way stops it.
+        """
+        distance_m = finite("distance", distance_m)
+        self._go(lambda pose: StraightCourse(pose, distance_m, self.world.robot), token, report)
+
+    def turn(self, angle_rad: float, *, token: CancelToken, report: Report) -> None:
+        """Block until turned by that to the left, right if negative; raises as `drive_to` does."""
+        angle_rad = finite("angle", angle_rad)
+        self._go(lambda pose: TurnCourse(pose, angle_rad, self.world.robot), token, report)
 
     def state(self) -> Mapping[str, Any]:
         with self._lock:
@@ -292,9 +309,14 @@ class DiffDriveRobot(SteppedBySimLoop, SimulatedBody):
         """Block until this much of the world's time has passed."""
         self._sim_loop.advance(seconds)
 
-    def _begin(self, goal: Point, forbidden: Sequence[Room]) -> NavigationMotion:
+    def _go(self, course: Callable[[Pose2D], Course], token: CancelToken, report: Report) -> None:
+        token.check()
+        motion = self._begin(lambda: self._relative(course))
+        self._mux.carry_out(motion, token, lambda: self._report_relative(motion, report))
+
+    def _begin(self, make: Callable[[], FlatMotion]) -> FlatMotion:
         with self._lock:
-            drive = self._mux.start(lambda: self._plan(goal, forbidden))
+            drive = self._mux.start(make)
             self._run.ramp.brake()
         self._sim_loop.wake()
         return drive
@@ -305,10 +327,7 @@ class DiffDriveRobot(SteppedBySimLoop, SimulatedBody):
         return tuple(room for room in self.world.rooms if room.name in names)
 
     def _plan(self, goal: Point, forbidden: Sequence[Room]) -> NavigationMotion:
-        if not self._sim_loop.running:
-            raise SkillFailed(because("switched_off"))
-        if self._run.battery.empty:
-            raise SkillFailed(because("battery_empty"))
+        self._check_ready()
         return NavigationMotion(
             goal,
             self._planner,
@@ -320,11 +339,30 @@ class DiffDriveRobot(SteppedBySimLoop, SimulatedBody):
             forbidden=forbidden,
         )
 
+    def _relative(self, course: Callable[[Pose2D], Course]) -> FlatMotion:
+        self._check_ready()
+        pose = self._run.motion.pose
+        wanted = course(pose)
+        self.check_goal(wanted.goal.x_m, wanted.goal.y_m)
+        return RelativeFlatMotion(
+            wanted,
+            self.world.robot,
+            lambda: self._engine.scan(self._now_s),
+            time_s=self.time_s,
+            pose=pose,
+        )
+
+    def _check_ready(self) -> None:
+        if not self._sim_loop.running:
+            raise SkillFailed(because("switched_off"))
+        if self._run.battery.empty:
+            raise SkillFailed(because("battery_empty"))
+
     def _give_up(self) -> None:
         """End the motion after a failed step: the next one might do anything with it."""
         self._mux.halt(SkillFailed(BROKE))
 
-    def _report(self, drive: NavigationMotion, report: Report) -> None:
+    def _report(self, drive: FlatMotion, report: Report) -> None:
         forbidden = self._forbidden_rooms()
         with self._lock:
             drive.avoid(forbidden)
@@ -334,6 +372,16 @@ class DiffDriveRobot(SteppedBySimLoop, SimulatedBody):
             distance_m=round(progress.left, 3),
             x=round(pose.x_m, 3),
             y=round(pose.y_m, 3),
+        )
+
+    def _report_relative(self, motion: FlatMotion, report: Report) -> None:
+        with self._lock:
+            progress, pose = motion.progress(), self._run.motion.pose
+        report(
+            progress=round(progress.part, 3),
+            left=round(progress.left, 3),
+            unit=progress.unit,
+            **where(pose),
         )
 
     def _step(self) -> bool:

@@ -25,9 +25,8 @@ import numpy as np
 import yaml
 
 from edgevox.core.clock import Clock
-from edgevox.core.errors import EdgeVoxError, InvalidValue
+from edgevox.core.errors import EdgeVoxError, InvalidValue, install_extra
 from edgevox.core.log import get_logger
-from edgevox.core.process.extras import install_extra
 from edgevox.core.transforms import Pose2D
 from edgevox.robots.capabilities import LidarScan, Twist2D
 from edgevox.robots.flat.diff_drive import DiffDriveRobot

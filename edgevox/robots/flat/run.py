@@ -15,7 +15,7 @@ from edgevox.agent.text.reasons import because
 from edgevox.core.transforms import Pose2D
 from edgevox.robots.capabilities import Twist2D
 from edgevox.robots.command_mux import STILL, CommandMux, clamped
-from edgevox.robots.flat.drive import NavigationMotion
+from edgevox.robots.flat.drive import FlatMotion
 from edgevox.robots.flat.engine import STEP_S, Engine, MotionState
 from edgevox.robots.shapes import Point
 from edgevox.robots.world.model import BatterySpec, RobotSpec, World
@@ -97,7 +97,7 @@ _LOOK_EVERY_STEPS = 10
 class DiffDriveRun:
     """The engine, what the wheels do, the charge that is left, the way it took. The robot locks."""
 
-    def __init__(self, world: World, engine: Engine, mux: CommandMux[NavigationMotion]) -> None:
+    def __init__(self, world: World, engine: Engine, mux: CommandMux[FlatMotion]) -> None:
         """Put the world of `engine` back where it began."""
         start = world.robot.start
         self.engine = engine

@@ -1,31 +1,21 @@
 """The skills of a body that walks: some metres straight on, some degrees round, standing."""
 
 import math
-from typing import Annotated, Protocol
-
-from pydantic import Field
+from typing import Protocol
 
 from edgevox.agent.skills import GoalHandle, Result, Skill, skill
 from edgevox.agent.text.reasons import called_off
 from edgevox.core.cancel import CancelToken
-from edgevox.core.transforms import distance_on_floor, turn_between
-from edgevox.robots.capabilities import Body, HasPose, Report
-
-LEAST_M, MOST_M = 0.05, 20.0
-LEAST_DEG, MOST_DEG = 1.0, 720.0
-
-Distance = Annotated[float, Field(ge=LEAST_M, le=MOST_M, description="metres")]
-Degrees = Annotated[float, Field(ge=LEAST_DEG, le=MOST_DEG, description="degrees")]
+from edgevox.core.transforms import distance_on_floor
+from edgevox.robots.capabilities import Report
+from edgevox.robots.relative_skills import Distance, TurningBody, turning_skills, where
 
 
-class WalkingBody(Body, HasPose, Protocol):
+class WalkingBody(TurningBody, Protocol):
     """The methods that these skills need."""
 
     def walk(self, distance_m: float, *, token: CancelToken, report: Report) -> None:
         """Block until it stands that far ahead, or back if negative. Raises `SkillFailed`."""
-
-    def turn(self, angle_rad: float, *, token: CancelToken, report: Report) -> None:
-        """Block until it stands turned by that to the left. Raises `SkillFailed`."""
 
     def stand(self, *, token: CancelToken, report: Report) -> bool:
         """Block until it stands; True if it lay on the floor and was put upright."""
@@ -36,9 +26,7 @@ def walking_skills(body: WalkingBody) -> tuple[Skill, ...]:
     return (
         _walk_forward(body),
         _walk_backward(body),
-        _turn_left(body),
-        _turn_right(body),
-        _turn_around(body),
+        *turning_skills(body),
         _stand(body),
         _stop(body),
         _get_pose(body),
@@ -63,39 +51,12 @@ def _walk_backward(body: WalkingBody) -> Skill:
     return walk_backward
 
 
-def _turn_left(body: WalkingBody) -> Skill:
-    @skill(relative=True)
-    def turn_left(goal: GoalHandle, degrees: Degrees = 90.0) -> Result:
-        """Turn to the left on the spot, by an angle in degrees."""
-        return _turn(body, goal, degrees)
-
-    return turn_left
-
-
-def _turn_right(body: WalkingBody) -> Skill:
-    @skill(relative=True)
-    def turn_right(goal: GoalHandle, degrees: Degrees = 90.0) -> Result:
-        """Turn to the right on the spot, by an angle in degrees."""
-        return _turn(body, goal, -degrees)
-
-    return turn_right
-
-
-def _turn_around(body: WalkingBody) -> Skill:
-    @skill()
-    def turn_around(goal: GoalHandle) -> Result:
-        """Turn around, to look the other way."""
-        return _turn(body, goal, 180.0)
-
-    return turn_around
-
-
 def _stand(body: WalkingBody) -> Skill:
     @skill()
     def stand(goal: GoalHandle) -> Result:
         """Stand still; after a fall, get up again."""
         got_up = body.stand(token=goal.token, report=goal.report)
-        return {**_where(body), "got_up": got_up}
+        return {**where(body.pose()), "got_up": got_up}
 
     return stand
 
@@ -116,7 +77,7 @@ def _get_pose(body: WalkingBody) -> Skill:
         """Say where the robot is, which way it looks, and whether it has fallen."""
         goal.token.check()
         fallen = bool(body.state()["fallen"])
-        return {**_where(body), "fallen": fallen, "upright": not fallen}
+        return {**where(body.pose()), "fallen": fallen, "upright": not fallen}
 
     return get_pose
 
@@ -125,20 +86,4 @@ def _walk(body: WalkingBody, goal: GoalHandle, distance_m: float) -> Result:
     before = body.pose()
     body.walk(distance_m, token=goal.token, report=goal.report)
     after = body.pose()
-    return {**_where(body), "walked": round(distance_on_floor(before, after), 3)}
-
-
-def _turn(body: WalkingBody, goal: GoalHandle, degrees: float) -> Result:
-    before = body.pose()
-    body.turn(math.radians(degrees), token=goal.token, report=goal.report)
-    off = turn_between(math.radians(degrees), body.pose().yaw_rad - before.yaw_rad)
-    return {**_where(body), "turned": round(abs(degrees + math.degrees(off)), 1)}
-
-
-def _where(body: HasPose) -> dict[str, float]:
-    pose = body.pose()
-    return {
-        "x": round(pose.x_m, 3),
-        "y": round(pose.y_m, 3),
-        "yaw_deg": round(math.degrees(pose.yaw_rad), 1),
-    }
+    return {**where(body.pose()), "walked": round(distance_on_floor(before, after), 3)}

@@ -24,9 +24,8 @@ from edgevox.agent.skills import SkillFailed
 from edgevox.agent.text.reasons import because
 from edgevox.agent.text.same_name import name_form, names_meant, names_near
 from edgevox.core.errors import InvalidValue
-from edgevox.core.files.atomic_file import write_atomically
 from edgevox.core.files.json_reader import read_json_object
-from edgevox.core.files.state_files import StateFiles
+from edgevox.core.files.state_files import StateFiles, write_atomically
 from edgevox.core.files.user_file import LARGEST_TEXT_BYTES, read_text
 from edgevox.core.files.validation import dotted, explain
 from edgevox.robots.names import LONGEST_PLACE, speakable

@@ -4,9 +4,8 @@ Imports core, agent.skills, agent.reasons, robots and ros2 of edgevox. Only `EXT
 others; rclpy is imported when its body is built.
 """
 
-from edgevox.core.errors import EdgeVoxError
+from edgevox.core.errors import EdgeVoxError, install_extra
 from edgevox.core.log import get_logger
-from edgevox.core.process.extras import install_extra
 from edgevox.core.settings import Settings
 from edgevox.robots.capabilities import Body
 from edgevox.robots.plugin import Robot
@@ -19,14 +18,13 @@ _OF_DRIVES = frozenset({"locations", "max_angular", "max_linear"})
 
 def _build(settings: Settings, _speed: float | None) -> Body:
     from edgevox.ros2.external.settings import ExternalSettings
-    from edgevox.ros2.robot_file.load import NO_FILE, load_robot_file
+    from edgevox.ros2.robot_file.format import NO_FILE, load_robot_file
 
     described = load_robot_file(settings.robot_file) if settings.robot_file else NO_FILE
     drives = described.robot.drives
     places = described.places(settings) if drives else {}
     try:
-        from edgevox.ros2.external.robot import ExternalRobot
-        from edgevox.ros2.external.stationary_robot import StationaryRobot
+        from edgevox.ros2.external.robot import ExternalRobot, StationaryRobot
         from edgevox.ros2.robot_file.skills import described_skills
     except ModuleNotFoundError as error:
         if (error.name or "").partition(".")[0].startswith("edgevox"):

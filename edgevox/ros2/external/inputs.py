@@ -30,8 +30,7 @@ from edgevox.ros2.contract_rows import latched, lossy, reliable
 from edgevox.ros2.external.motion import PoseEstimate
 from edgevox.ros2.external.odometry import SILENT_S, OdometryHistory, OdometrySample
 from edgevox.ros2.external.settings import FURTHEST_M, Speeds, on_the_map, sweeps
-from edgevox.ros2.messages import pose_of, pose_of_transform
-from edgevox.ros2.qos import profile
+from edgevox.ros2.messages import pose_of, pose_of_transform, profile
 from edgevox.ros2.stamps import NS_PER_S, to_ns
 from edgevox.ros2.standard_topics import DRIVEN
 from edgevox.ros2.tf_buffer import FramePose, TfBuffer, plain

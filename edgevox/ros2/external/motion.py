@@ -9,7 +9,6 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any, Protocol
 
-import numpy as np
 from geometry_msgs.msg import PoseStamped, Twist
 from rclpy.node import Node
 
@@ -18,10 +17,11 @@ from edgevox.agent.text.reasons import because
 from edgevox.core.transforms import Pose2D, lift, turn_between
 from edgevox.robots.capabilities import LidarScan, Twist2D
 from edgevox.robots.command_mux import STILL
+from edgevox.robots.lidar import blocked
 from edgevox.robots.path_follower import PathFollower
+from edgevox.robots.relative_motion import Lookout
 from edgevox.ros2.external.settings import Jump, Patience, SteeringLimits
-from edgevox.ros2.messages import pose_msg
-from edgevox.ros2.qos import profile
+from edgevox.ros2.messages import pose_msg, profile
 from edgevox.ros2.stamps import to_msg
 from edgevox.ros2.standard_topics import DRIVEN
 
@@ -107,12 +107,12 @@ class OwnSteering:
         self._target = Target(0.0, 0.0)
         self._here = Pose2D(0.0, 0.0, 0.0)
         self._follower = PathFollower([(0.0, 0.0)], limits)
-        self._waiting_since_s: float | None = None
+        self._lookout = Lookout(limits.wait_s)
 
     @property
     def waiting(self) -> bool:
         """Whether it waits for an obstacle."""
-        return self._waiting_since_s is not None
+        return self._lookout.waiting
 
     def available(self) -> bool:
         return True
@@ -120,7 +120,7 @@ class OwnSteering:
     def begin(self, target: Target, estimate: PoseEstimate) -> None:
         self._target = target
         self._go_from(estimate.pose)
-        self._waiting_since_s = None
+        self._lookout.rest()
 
     def tick(self, now_s: float, estimate: PoseEstimate) -> bool:
         if Jump.between(self._here, estimate.pose).distance_m > _CORRECTED_M:
@@ -142,7 +142,7 @@ class OwnSteering:
         return self._target.distance_m(estimate.pose)
 
     def cancel(self, estimate: PoseEstimate | None) -> None:  # noqa: ARG002 - the body holds zero
-        self._waiting_since_s = None
+        self._lookout.rest()
 
     def _go_from(self, pose: Pose2D) -> None:
         self._here = pose
@@ -161,28 +161,8 @@ class OwnSteering:
         limits = self._limits
         # What stands behind the target is in nobody's way.
         reach_m = min(limits.stop_ahead_m, left_m + limits.half_width_m)
-        if wanted.linear_m_s <= 0 or not blocked(self._scan(), reach_m, limits.half_width_m):
-            self._waiting_since_s = None
-            return wanted
-        if self._waiting_since_s is None:
-            self._waiting_since_s = now_s
-        elif now_s - self._waiting_since_s > limits.wait_s:
-            raise SkillFailed(because("in_my_way"))
-        return STILL
-
-
-def blocked(scan: LidarScan | None, reach_m: float, half_width_m: float) -> bool:
-    """Return whether the scan shows an obstacle in the strip ahead of the robot.
-
-    The strip reaches `reach_m` from the robot's middle, and `half_width_m` to either side.
-    """
-    if scan is None:
-        return False
-    # Minus infinity is nearer than the lidar can tell (REP 117), which is near enough.
-    ranges = np.where(np.isneginf(scan.ranges_m), scan.range_min_m, scan.ranges_m)
-    valid = np.isfinite(ranges) & (ranges >= scan.range_min_m) & (ranges <= scan.range_max_m)
-    ahead, aside = scan.ends(np.where(valid, ranges, 0.0))[valid].T
-    return bool(np.any((ahead > 0) & (ahead < reach_m) & (np.abs(aside) < half_width_m)))
+        ahead = wanted.linear_m_s > 0 and blocked(self._scan(), reach_m, limits.half_width_m)
+        return self._lookout.heed(now_s, wanted, in_the_way=ahead)
 
 
 class MotionBackend(Protocol):

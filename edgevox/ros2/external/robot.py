@@ -1,8 +1,11 @@
-"""`robot-external`: any robot that speaks a few ROS 2 topics, driven over them."""
+"""`robot-external`: any robot that speaks a few ROS 2 topics, driven over them.
+
+`StationaryRobot` does not drive, such as an arm or a lift: it can what its file says.
+"""
 
 import math
 import threading
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from types import MappingProxyType
@@ -12,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from edgevox.agent.policy import Policy
-from edgevox.agent.skills import STOP, GoalHandle, OneOf, Result, Skill, SkillFailed
+from edgevox.agent.skills import STOP, GoalHandle, OneOf, Result, Skill, SkillFailed, skill
 from edgevox.agent.text.reasons import because, called_off
 from edgevox.core.cancel import Cancelled, CancelToken
 from edgevox.core.clock import Clock, SystemClock
@@ -24,14 +27,29 @@ from edgevox.robots.limits import Bounds
 from edgevox.robots.navigation import LOCATION, navigation_skills
 from edgevox.robots.occupancy_map import OccupancyMap
 from edgevox.robots.places.memory import PlaceMemory
-from edgevox.ros2.clients.agent_node_handle import AgentNodeHandle
-from edgevox.ros2.external.control_loop import ZeroVelocity
+from edgevox.robots.relative_motion import Course, StraightCourse, TurnCourse
+from edgevox.robots.relative_skills import driving_skills, where
+from edgevox.ros2.agent_node_handle import AgentNodeHandle
+from edgevox.ros2.contract import EXTERNAL_NODE
 from edgevox.ros2.external.inputs import incredible
 from edgevox.ros2.external.locations import Location
-from edgevox.ros2.external.motion import PoseEstimate, Target, describe
-from edgevox.ros2.external.navigation import ExternalNavigation, LocalisationCheck
+from edgevox.ros2.external.motion import (
+    MotionBackend,
+    OwnSteering,
+    PoseEstimate,
+    Target,
+    describe,
+)
+from edgevox.ros2.external.navigation import (
+    ExternalMotion,
+    ExternalNavigation,
+    LocalisationCheck,
+    ZeroVelocity,
+)
+from edgevox.ros2.external.relative import ExternalRelativeMotion
 from edgevox.ros2.external.robot_node import RobotNode
-from edgevox.ros2.external.settings import FURTHEST_M, ExternalSettings
+from edgevox.ros2.external.settings import FURTHEST_M, ExternalSettings, SteeringLimits
+from edgevox.ros2.node import RosNode
 from edgevox.ros2.robot_file.skills import DescribedSkill
 from edgevox.ros2.stamps import NS_PER_S
 
@@ -88,12 +106,14 @@ class ExternalRobot:
         own = navigation_skills(
             self, aliases=aliases, word=LOCATION, memory=self.place_memory, names=names
         )
+        taken = {one.name for one in described}
         self._skills = (
             *(
                 replace(one, function=self._stop_and_see) if one.name == STOP else one
                 for one in own
             ),
-            *(one.skill() for one in described),
+            *(one.skill() for one in described),  # before ours: its owner's sentences count first
+            *(one for one in driving_skills(self) if one.name not in taken),
         )
 
     @property
@@ -254,19 +274,26 @@ class ExternalRobot:
         target = Target(finite("x", x_m), finite("y", y_m), yaw_rad)
         self.check_goal(x_m, y_m)
         robot_node = self._switched_on()
-        stops = self._stops
-        backend = robot_node.choose(token)
-        with self._lock:
-            if self._stops != stops:
-                raise Cancelled(called_off("not_begun"))
-            token.check()
-            estimate = self._estimate()
+
+        def make(estimate: PoseEstimate, backend: MotionBackend) -> ExternalMotion:
             trust = LocalisationCheck(robot_node.senses, estimate)
-            drive = ExternalNavigation(target, backend, estimate, trust, self._clock.now())
-            robot_node.control.start(drive, estimate)
-        robot_node.senses.say_frame_once(estimate)
-        log.info("driving", x_m=round(x_m, 2), y_m=round(y_m, 2), backend=backend.name)
+            return ExternalNavigation(target, backend, estimate, trust, self._clock.now())
+
+        drive = self._begin(robot_node, make, token)
         robot_node.control.mux.carry_out(drive, token, lambda: self._report(drive, report))
+
+    def drive_straight(self, distance_m: float, *, token: CancelToken, report: Report) -> None:
+        """Block until that far ahead, or back if negative; raises as `drive_to` does.
+
+        EdgeVox steers this on ``cmd_vel``, and round nothing, also where Nav2 takes goals.
+        """
+        distance_m = finite("distance", distance_m)
+        self._go(lambda pose, limits: StraightCourse(pose, distance_m, limits), token, report)
+
+    def turn(self, angle_rad: float, *, token: CancelToken, report: Report) -> None:
+        """Block until turned by that to the left, right if negative; as `drive_straight`."""
+        angle_rad = finite("angle", angle_rad)
+        self._go(lambda pose, limits: TurnCourse(pose, angle_rad, limits), token, report)
 
     def drive_to_place(self, place: str, *, token: CancelToken, report: Report) -> None:
         """Drive to a location, and look along its yaw."""
@@ -276,6 +303,53 @@ class ExternalRobot:
     def drive_to_pose(self, pose: Pose2D, *, token: CancelToken, report: Report) -> None:
         """Drive to its point, and look its way."""
         self.drive_to(pose.x_m, pose.y_m, token=token, report=report, yaw_rad=pose.yaw_rad)
+
+    def _go(
+        self,
+        course: Callable[[Pose2D, SteeringLimits], Course],
+        token: CancelToken,
+        report: Report,
+    ) -> None:
+        robot_node = self._switched_on()
+
+        def make(estimate: PoseEstimate, backend: MotionBackend) -> ExternalMotion:
+            motion = ExternalRelativeMotion(
+                course,
+                robot_node.senses,
+                self._settings,
+                estimate,
+                now_s=self._clock.now(),
+                turn=robot_node.control.steer,
+                recall=robot_node.recall,
+                sighted=backend.name != OwnSteering.name,  # Nav2 would see what no lidar here does
+            )
+            self.check_goal(motion.target.x_m, motion.target.y_m)
+            return motion
+
+        motion = self._begin(robot_node, make, token)
+        mux = robot_node.control.mux
+        mux.carry_out(motion, token, lambda: self._report_relative(motion, report))
+
+    def _begin(
+        self,
+        robot_node: RobotNode,
+        make: Callable[[PoseEstimate, MotionBackend], ExternalMotion],
+        token: CancelToken,
+    ) -> ExternalMotion:
+        """Begin a motion, unless a stop came before; what takes goals is known by then."""
+        stops = self._stops
+        backend = robot_node.choose(token)
+        with self._lock:
+            if self._stops != stops:
+                raise Cancelled(called_off("not_begun"))
+            token.check()
+            estimate = self._estimate()
+            motion = make(estimate, backend)
+            robot_node.control.start(motion, estimate)
+        robot_node.senses.say_frame_once(estimate)
+        x_m, y_m = round(motion.target.x_m, 2), round(motion.target.y_m, 2)
+        log.info("driving", x_m=x_m, y_m=y_m, backend=motion.by)
+        return motion
 
     def _stop_and_see(self, goal: GoalHandle) -> Result:
         """The skill `stop`: ends when the robot stands, and fails when it does not obey."""
@@ -312,12 +386,103 @@ class ExternalRobot:
             raise SkillFailed(because("robot_unheard", topic=topic))
         raise SkillFailed(because("lost", topic=topic))
 
-    def _report(self, drive: ExternalNavigation, report: Report) -> None:
-        robot_node = self._robot_node
-        estimate = robot_node.senses.estimate() if robot_node else None
+    def _report(self, drive: ExternalMotion, report: Report) -> None:
         with self._lock:
             progress = drive.progress()
-        where = (
-            {"x": round(estimate.pose.x_m, 3), "y": round(estimate.pose.y_m, 3)} if estimate else {}
+        at = self._at()
+        at.pop("yaw_deg", None)
+        report(progress=round(progress.part, 3), distance_m=round(progress.left, 3), **at)
+
+    def _report_relative(self, motion: ExternalMotion, report: Report) -> None:
+        with self._lock:
+            progress = motion.progress()
+        report(
+            progress=round(progress.part, 3),
+            left=round(progress.left, 3),
+            unit=progress.unit,
+            **self._at(),
         )
-        report(progress=round(progress.part, 3), distance_m=round(progress.left, 3), **where)
+
+    def _at(self) -> dict[str, float]:
+        """Where it is, for a report; empty while that is unknown."""
+        robot_node = self._robot_node
+        estimate = robot_node.senses.estimate() if robot_node else None
+        return where(estimate.pose) if estimate else {}
+
+
+class StationaryRobot:
+    """A body without pose or velocity, such as an arm, and so without topics of the contract.
+
+    Its node has only the interfaces of its skills. It moves only by goals, which every stop ends.
+    """
+
+    name = "robot-external"
+    about = ""
+    """Its name and purpose, if its robot file gives them."""
+    own_policy: Path | Policy | None = None
+    """The policy that its file names or holds, for where no setting names one."""
+
+    def __init__(
+        self, namespace: str, described: Sequence[DescribedSkill], clock: Clock | None = None
+    ) -> None:
+        self._namespace, self._described = namespace, described
+        self._clock = clock or SystemClock()
+        self._node: RosNode | None = None
+        self.ros = AgentNodeHandle(self._clock)
+        """Access to its node, for skills."""
+        self._skills = (_stop(), *(one.skill() for one in described))
+
+    @property
+    def skills(self) -> tuple[Skill, ...]:
+        return self._skills
+
+    @property
+    def time_s(self) -> float:
+        """The time of its node, which is the robot's if it follows /clock; 0 while it is off."""
+        node = self._node
+        return node.node.get_clock().now().nanoseconds / NS_PER_S if node else 0.0
+
+    @property
+    def stalled_s(self) -> float:
+        """Seconds for which it has taken in no messages."""
+        node = self._node
+        return node.stalled_s if node else 0.0
+
+    def start(self) -> None:
+        """Join the graph. Raises `RosBridgeFailed` where that cannot be done."""
+        self._node = RosNode(self._namespace, name=EXTERNAL_NODE)
+        for one in self._described:
+            one.open(self._node.node, self._clock)
+        self.ros.open(self._node.node)
+        self._node.start()
+
+    def close(self) -> None:
+        """Leave the graph."""
+        node, self._node = self._node, None
+        if node is None:
+            return
+        for one in self._described:
+            one.close()
+        self.ros.close()
+        node.close()
+
+    def state(self) -> Mapping[str, Any]:
+        """Return its name and its time; it has no pose."""
+        return {"name": self.name, "time": round(self.time_s, 3)}
+
+    def halt(self, reason: str) -> bool:  # noqa: ARG002 - every body is told why
+        """Return False: it moves only by its skills, whose goals end by themselves."""
+        return False
+
+    def reset(self) -> None:
+        """A real robot cannot be put back."""
+
+
+def _stop() -> Skill:
+    @skill()
+    def stop(goal: GoalHandle) -> Result:
+        """Stop at once what it does."""
+        goal.token.check()  # as a goal that moves it has ended the one before
+        return {}
+
+    return stop

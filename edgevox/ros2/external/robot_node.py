@@ -10,9 +10,8 @@ from rclpy.clock_type import ClockType
 from edgevox.core.cancel import CancelToken
 from edgevox.core.clock import Clock
 from edgevox.core.log import get_logger
-from edgevox.ros2.clients.agent_node_handle import AgentNodeHandle
+from edgevox.ros2.agent_node_handle import AgentNodeHandle
 from edgevox.ros2.contract import EXTERNAL_NODE
-from edgevox.ros2.external.control_loop import ControlLoop
 from edgevox.ros2.external.inputs import SensorInputs
 from edgevox.ros2.external.motion import (
     GoalTopicBackend,
@@ -21,6 +20,7 @@ from edgevox.ros2.external.motion import (
     VelocityPublisher,
 )
 from edgevox.ros2.external.nav2 import LOST_S, Nav2Cancel, nav2_action
+from edgevox.ros2.external.navigation import ControlLoop
 from edgevox.ros2.external.odometry import SILENT_S
 from edgevox.ros2.external.settings import (
     SPEED_M_S,
@@ -113,6 +113,10 @@ class RobotNode:
             self._discovered_s,
         )
         return next((one for one in self._takers if one.available()), self._steering)
+
+    def recall(self) -> None:
+        """Make what takes goals forget them, whoever sent them."""
+        self._cancel.cancel_all()
 
     def _wait(self, token: CancelToken, condition: Callable[[], bool], until_s: float) -> None:
         token.check()

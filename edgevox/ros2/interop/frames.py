@@ -31,9 +31,8 @@ from edgevox.core.transforms import (
     inverse,
     is_prefix,
 )
-from edgevox.ros2.messages import transform_msg
-from edgevox.ros2.qos import profile
-from edgevox.ros2.stamped_publisher import StampedPublisher
+from edgevox.ros2.messages import profile, transform_msg
+from edgevox.ros2.stamps import StampedPublisher
 from edgevox.ros2.standard_topics import STANDARD
 from edgevox.ros2.tf_buffer import FramePose
 from tf2_msgs.msg import TFMessage

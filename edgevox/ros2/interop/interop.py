@@ -17,11 +17,9 @@ from edgevox.robots.capabilities import (
     TakesVelocity,
 )
 from edgevox.ros2.backlog import Backlog
-from edgevox.ros2.interop.camera import Camera
 from edgevox.ros2.interop.frames import Frames, broadcast_fixed
-from edgevox.ros2.interop.goal import GoalInput, RunSkill, goal_skill
-from edgevox.ros2.interop.outputs import ClockPublisher, MotionPublisher, Scanner
-from edgevox.ros2.interop.velocity import VelocityInput
+from edgevox.ros2.interop.inputs import GoalInput, RunSkill, VelocityInput, goal_skill
+from edgevox.ros2.interop.outputs import Camera, ClockPublisher, MotionPublisher, Scanner
 from edgevox.ros2.stamps import Stamps
 from edgevox.ros2.standard_topics import STANDARD
 from edgevox.ros2.tf_buffer import FOR_GOOD, FramePose, TfBuffer

@@ -8,7 +8,7 @@ from typing import Any
 
 import yaml
 
-from edgevox.core.files.atomic_file import PUBLIC, write_atomically
+from edgevox.core.files.state_files import PUBLIC, write_atomically
 from edgevox.core.log import get_logger
 from edgevox.ros2.contract_rows import QosSpec
 from edgevox.ros2.recordings import METADATA, OPEN, file_number

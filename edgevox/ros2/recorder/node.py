@@ -10,12 +10,11 @@ from edgevox.core.log import get_logger
 from edgevox.core.status import Finding, HealthCheck, Level, Status, lives, moves
 from edgevox.ros2.contract import RECORDER_NODE
 from edgevox.ros2.node import RosNode
-from edgevox.ros2.recorder.definitions import definition
-from edgevox.ros2.recorder.disk import WriteQueue, Writing
-from edgevox.ros2.recorder.mcap import RecordedMessage
+from edgevox.ros2.recorder.disk import Disk, WriteQueue, Writing
+from edgevox.ros2.recorder.mcap import RecordedMessage, definition
 from edgevox.ros2.recorder.mend import mend_recordings
 from edgevox.ros2.recorder.recorded_topics import Recorded, message_class
-from edgevox.ros2.recorder.room import Disk
+from edgevox.ros2.recordings import UPLOAD_FAILED
 
 log = get_logger(__name__)
 
@@ -41,6 +40,7 @@ class Recorder:
             self._writing = Writing(self._inbox, disk)
         except OSError as error:
             raise EdgeVoxError(f"output: {disk.folder}: {error.strerror or error}") from None
+        self._upload_failed = disk.folder.parent / UPLOAD_FAILED
         self._closing = threading.Event()
         self._mending = threading.Thread(
             target=mend_recordings,
@@ -74,10 +74,15 @@ class Recorder:
 
     def status(self) -> Status:
         """Return the current status."""
+        upload_failed = self._upload_failed.exists()
+        findings = [Finding(Level.ERROR, self.fault)] if self.fault else []
+        if upload_failed:
+            findings.append(Finding(Level.WARN, "the upload fails: see the uploader's log"))
         return Status.judged(
             self.name,
-            [Finding(Level.ERROR, self.fault)] if self.fault else (),
+            findings,
             well="records",
+            upload_failed=upload_failed,
             written_messages=self.written,
             dropped_messages=sum(self.dropped.values()),
             used_bytes=self._writing.room.used_bytes,

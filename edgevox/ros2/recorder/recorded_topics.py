@@ -10,7 +10,7 @@ from rclpy.qos import QoSProfile
 from edgevox.core.errors import InvalidValue
 from edgevox.ros2.contract import PUBLISHED, SUBSCRIBED
 from edgevox.ros2.contract_rows import QosSpec, lossy
-from edgevox.ros2.qos import profile
+from edgevox.ros2.messages import profile
 from edgevox.ros2.standard_topics import AUDIO, INTEROP
 
 DEPTH = 50

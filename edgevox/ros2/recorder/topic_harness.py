@@ -23,8 +23,8 @@ from edgevox.core.files.json_reader import read_json_object
 from edgevox.core.log import get_logger, worth_a_line
 from edgevox.ros2.contract import ACTION
 from edgevox.ros2.contract_rows import Qos
+from edgevox.ros2.messages import profile
 from edgevox.ros2.node import RosNode
-from edgevox.ros2.qos import profile
 from edgevox.ros2.standard_topics import STANDARD
 from edgevox.scenario import Scenario
 from edgevox.scenario.format import DriveStep, RunStep

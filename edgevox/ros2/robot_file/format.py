@@ -1,4 +1,4 @@
-"""What a robot file may hold: a robot, its limits and places, and the skills it has.
+"""What a robot file may hold: a robot, its limits and places, and its skills; and its loader.
 
 namespace: /cleaner
 skills:
@@ -15,18 +15,22 @@ Arguments:
     done: The {room} is clean.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, TypeVar
 
 from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 
-from edgevox.agent.policy import PolicyFile
+from edgevox.agent.policy import Policy, PolicyFile
+from edgevox.core.files.user_file import read_text
 from edgevox.core.files.validation import wrong
-from edgevox.core.files.yaml_file import value_key
+from edgevox.core.files.yaml_file import YamlFile, value_key
 from edgevox.core.languages import LANGUAGES
+from edgevox.core.settings import Settings
 from edgevox.robots.names import LocalNames, check_told_apart
-from edgevox.ros2.external.locations import LocationsFile
+from edgevox.ros2.external.locations import Location, LocationsFile, load_locations, read_locations
+from edgevox.ros2.external.settings import SteeringLimits
 from edgevox.ros2.robot_file.steps import (
     GraphName,
     Meaning,
@@ -284,3 +288,84 @@ class RobotFile(Part):
         """What it is called and what it is for."""
         called = f"Your name is {self.name}." if self.name else ""
         return " ".join(filter(None, (called, self.description)))
+
+
+T = TypeVar("T")
+
+CLEAR_AHEAD_M = 0.1
+"""The clearance in metres from an obstacle ahead, for a robot of known size."""
+CLEAR_ASIDE_M = 0.05
+
+
+@dataclass(frozen=True)
+class DescribedRobot:
+    """A robot file's content, and the file itself, for its line numbers."""
+
+    robot: RobotFile
+    file: YamlFile
+    folder: Path
+
+    def places(self, settings: Settings) -> Mapping[str, Location]:
+        """Return its places: of the setting's file, else of this one. Raises `InvalidValue`."""
+        if settings.locations:
+            return load_locations(settings.locations)
+        if self.robot.locations:
+            return load_locations(self.folder / self.robot.locations)
+        return read_locations(self.file.part("places")) if self.robot.places else {}
+
+    @property
+    def policy(self) -> Path | Policy | None:
+        """The file of its policy, or what this one says of it."""
+        if self.robot.policy_file:
+            return self.folder / self.robot.policy_file
+        return Policy(self.robot.policy) if self.robot.policy else None
+
+    def steering(self, settings: Settings) -> SteeringLimits:
+        """Return the limits for steering, where no node takes goals."""
+        limits, usual = self.robot.limits, SteeringLimits()
+        fastest = self.setting(settings, "max_linear", limits.max_linear)
+        steering = SteeringLimits(
+            max_linear_m_s=fastest,
+            max_angular_rad_s=self.setting(settings, "max_angular", limits.max_angular),
+            max_linear_m_s2=limits.max_acceleration or usual.max_linear_m_s2,
+        )
+        size = self.robot.footprint
+        if size is None:
+            return steering
+        braking_m = fastest**2 / (2 * steering.max_linear_m_s2)
+        return replace(
+            steering,
+            half_width_m=size.width / 2 + CLEAR_ASIDE_M,
+            stop_ahead_m=size.length / 2 + braking_m + CLEAR_AHEAD_M,
+        )
+
+    @property
+    def remappings(self) -> Sequence[str]:
+        """ROS arguments by which the contract's topics are those that this robot has."""
+        rules = [
+            rule for ours, its in self.robot.topics.items() for rule in ("-r", f"{ours}:={its}")
+        ]
+        return ["--ros-args", *rules] if rules else []
+
+    def namespace(self, settings: Settings) -> str:
+        """The namespace of the robot's topics."""
+        return self.setting(settings, "robot_namespace", self.robot.namespace)
+
+    @staticmethod
+    def setting(settings: Settings, name: str, described: T | None) -> T:
+        """Return the setting that was given, else the file's value, else the setting's default."""
+        given: T = getattr(settings, name)
+        return given if described is None or name in settings.model_fields_set else described
+
+
+NO_FILE = DescribedRobot(RobotFile(), YamlFile("{}", "robot"), Path())
+"""The description of a robot without a file, which only drives."""
+
+
+def load_robot_file(path: Path) -> DescribedRobot:
+    """Read and check a file, except for the types of its interfaces, which need ROS 2.
+
+    Raises `InvalidValue` naming the file, the line, the field, its value and the expected value.
+    """
+    file = YamlFile(read_text(path, "robot_file"), path.name)
+    return DescribedRobot(file.read(RobotFile, file.data), file, path.parent)

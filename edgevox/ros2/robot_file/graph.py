@@ -24,11 +24,10 @@ from edgevox.core.cancel import CancelToken
 from edgevox.core.clock import SystemClock
 from edgevox.core.errors import InvalidValue
 from edgevox.core.settings import Settings, check_settings
-from edgevox.ros2.clients.waiting import TookTooLong, wait_until
+from edgevox.ros2.clients import TookTooLong, wait_until
+from edgevox.ros2.messages import interface_profile, profile
 from edgevox.ros2.node import RosNode
-from edgevox.ros2.qos import interface_profile, profile
-from edgevox.ros2.robot_file.format import RobotFile, SkillEntry
-from edgevox.ros2.robot_file.load import DescribedRobot, load_robot_file
+from edgevox.ros2.robot_file.format import DescribedRobot, RobotFile, SkillEntry, load_robot_file
 from edgevox.ros2.robot_file.messages import InterfaceMissing, Kind, full_name
 from edgevox.ros2.robot_file.skills import SkillOff, planned_skills
 from edgevox.ros2.robot_file.steps import Step, Topic

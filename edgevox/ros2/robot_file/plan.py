@@ -10,7 +10,7 @@ from builtin_interfaces.msg import Time
 from edgevox.core.errors import InvalidValue
 from edgevox.core.files.validation import Place
 from edgevox.core.files.yaml_file import YamlFile
-from edgevox.ros2.clients.clients import STEERING, type_name
+from edgevox.ros2.clients import STEERING, type_name
 from edgevox.ros2.robot_file.arguments import samples
 from edgevox.ros2.robot_file.format import Argument
 from edgevox.ros2.robot_file.messages import (

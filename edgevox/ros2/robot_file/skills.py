@@ -25,10 +25,9 @@ from edgevox.ros2.robot_file.arguments import (
     values_in,
 )
 from edgevox.ros2.robot_file.format import RobotFile, Sentences, SkillEntry
-from edgevox.ros2.robot_file.live import go_live
+from edgevox.ros2.robot_file.live import LiveSkill, Watch, go_live, run_skill
 from edgevox.ros2.robot_file.messages import InterfaceMissing, arguments_in
 from edgevox.ros2.robot_file.plan import PlannedStep, Planner
-from edgevox.ros2.robot_file.skill_run import LiveSkill, Watch, run_skill
 from edgevox.ros2.robot_file.steps import Step
 
 log = get_logger(__name__)

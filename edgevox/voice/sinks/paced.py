@@ -2,6 +2,8 @@
 
 `PacedOutput` takes its sound; `Silence` keeps none. Also here, for every sink: waiting against a
 clock, changing the rate, and the loudness over time.
+
+`Relay` hands speech to another player, such as a speaker node of ROS 2.
 """
 
 import threading
@@ -14,7 +16,7 @@ import numpy as np
 from edgevox.core.cancel import CancelToken
 from edgevox.core.clock import Clock, SystemClock
 from edgevox.core.status import fault_of
-from edgevox.voice.audio import Chunk, Samples, rms
+from edgevox.voice.audio import RATE_HZ, Chunk, Samples, rms
 from edgevox.voice.echo.played import PlayedSound
 from edgevox.voice.wav import Resampler
 
@@ -209,3 +211,34 @@ class PacedSink:
             if left_s < NOTHING_S:
                 return
             self._wait(token, min(left_s, self._output.block_s))
+
+
+BLOCK_S = 0.04
+LEAD_S = 0.06
+"""Seconds of sound that wait in the other player's queue, and are still heard after a stop."""
+
+
+class Relay:
+    """An output that sends its sound on at 16 kHz, in blocks, a little before they are due.
+
+    Between utterances it sends nothing. Sound before `connect` is lost.
+    """
+
+    name = "audio_out"
+    rate_hz = RATE_HZ
+    block_s = BLOCK_S
+    lead_s = LEAD_S
+
+    def __init__(self) -> None:
+        self._send: Callable[[Samples], None] | None = None
+
+    def connect(self, send: Callable[[Samples], None]) -> None:
+        """Send every block to `send` from now on, on the thread that speaks."""
+        self._send = send
+
+    def write(self, samples: Samples, start_s: float) -> None:  # noqa: ARG002
+        if self._send:
+            self._send(samples)
+
+    def close(self) -> None:
+        self._send = None

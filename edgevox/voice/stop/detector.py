@@ -11,8 +11,8 @@ from collections import deque
 from collections.abc import Callable
 from typing import Protocol
 
+from edgevox.core.languages import STOP_WORDS
 from edgevox.core.log import get_logger, worth_a_line
-from edgevox.core.stop_words import STOP_WORDS
 from edgevox.voice.audio import FRAME_S, Samples
 from edgevox.voice.endpoint import ONSET_FRAMES, VOICED
 

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from edgevox.core.errors import EdgeVoxError
-from edgevox.core.process.cgroup import usable_cpus
+from edgevox.core.process import usable_cpus
 from edgevox.voice.audio import FULL_SCALE, RATE_HZ, Samples
 from edgevox.voice.stt.adapter import adapted_folder, adapter_for
 from edgevox.voice.stt.plausible import Segment, heard_again, is_doubtful, transcript_of

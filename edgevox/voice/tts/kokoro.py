@@ -20,9 +20,8 @@ from phonemizer import phonemize  # type: ignore[import-untyped]
 
 from edgevox.core.cancel import CancelToken
 from edgevox.voice.audio import Chunk
-from edgevox.voice.tts.kana import kana
-from edgevox.voice.tts.session import open_session
-from edgevox.voice.tts.synthesiser import SynthesisFailed, to_samples
+from edgevox.voice.tts.espeak import kana
+from edgevox.voice.tts.synthesiser import SynthesisFailed, open_session, to_samples
 
 LANGUAGE_CODES = {
     "a": "en-us",

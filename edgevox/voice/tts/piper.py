@@ -9,8 +9,7 @@ from piper.config import PiperConfig
 
 from edgevox.core.cancel import CancelToken
 from edgevox.voice.audio import Chunk
-from edgevox.voice.tts.session import open_session
-from edgevox.voice.tts.synthesiser import to_samples
+from edgevox.voice.tts.synthesiser import open_session, to_samples
 
 THREADS = 1
 """Speech is ten times faster than real time on one thread. There is no memory arena: with sounds

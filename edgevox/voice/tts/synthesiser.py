@@ -1,14 +1,19 @@
-"""The interface of a speech synthesiser."""
+"""The interface of a speech synthesiser, and what synthesisers share."""
 
 from collections.abc import Iterator
-from typing import Protocol
+from pathlib import Path
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from edgevox.core.cancel import CancelToken
 from edgevox.core.errors import EdgeVoxError
+from edgevox.core.process import usable_cpus
 from edgevox.voice.audio import Chunk, Samples
+
+if TYPE_CHECKING:
+    from onnxruntime import InferenceSession
 
 
 class SynthesisFailed(EdgeVoxError):
@@ -35,3 +40,22 @@ class Synthesiser(Protocol):
 def to_samples(sound: NDArray[np.float32]) -> Samples:
     """Convert sound from -1 to 1 to 16 bit samples; louder sound is clipped."""
     return (np.clip(sound, -1.0, 1.0) * np.iinfo(np.int16).max).astype(np.int16)
+
+
+def open_session(path: Path, threads: int, *, arena: bool = True) -> "InferenceSession":
+    """Load an ONNX model on the CPU with this many threads, and no more than may compute at once.
+
+    A thread that spins while it waits takes the core that another thread needs. Without the
+    `arena`, memory is given back after each run, and not kept for the largest run so far.
+    """
+    import onnxruntime
+
+    options = onnxruntime.SessionOptions()
+    options.intra_op_num_threads = min(threads, usable_cpus())
+    options.inter_op_num_threads = 1
+    options.add_session_config_entry("session.intra_op.allow_spinning", "0")
+    options.log_severity_level = 3
+    options.enable_cpu_mem_arena = arena
+    return onnxruntime.InferenceSession(
+        str(path), sess_options=options, providers=["CPUExecutionProvider"]
+    )

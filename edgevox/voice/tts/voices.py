@@ -1,18 +1,22 @@
 """The choice of a voice: the one that was asked for, else the best one that this machine has.
 
-`installed` tells whether a voice's engine is here without loading anything.
+`installed` tells whether a voice's engine is here without loading anything. `VoicePool` holds the
+voices that are loaded.
 """
 
 import shutil
+from collections import OrderedDict
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cache
 from importlib.util import find_spec
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-from edgevox.core.errors import InvalidValue
+from edgevox.core.errors import EdgeVoxError, InvalidValue
 from edgevox.core.languages import LANGUAGES, Language, Voice
-from edgevox.voice.tts.espeak import COMMAND
+from edgevox.voice.tts.espeak import COMMAND, EspeakSynthesiser, open_espeak
+from edgevox.voice.tts.synthesiser import Synthesiser
 
 PACKAGES = {
     "piper": ("piper",),
@@ -128,3 +132,60 @@ def _fallbacks(here: Sequence[VoiceChoice], first: VoiceChoice) -> list[VoiceCho
 def _files(voice: Voice, find: Find) -> tuple[Path, ...] | None:
     found = tuple(path for model in voice.models if (path := find(model)))
     return found if len(found) == len(voice.models) else None
+
+
+if TYPE_CHECKING:
+    from edgevox.voice.tts.kokoro import KokoroModel
+
+MOST_LOADED = 4
+"""A Piper voice takes about 150 MB; a user who changes back and forth should not wait for
+loading."""
+
+
+class VoicePool:
+    """Loads voices on demand and keeps the ones that were used last.
+
+    Used from one thread. Kokoro's voices share one model, espeak-ng's one library.
+    """
+
+    def __init__(self, most: int = MOST_LOADED) -> None:
+        self._most = most
+        self._loaded: OrderedDict[VoiceChoice, Synthesiser] = OrderedDict()
+        self.files: frozenset[Path] = frozenset()
+        """Files of the voices that are loaded. May be read from any thread."""
+
+    def get(self, choice: VoiceChoice) -> Synthesiser:
+        """The voice, loaded and warm. Raises `EdgeVoxError` if it cannot be loaded."""
+        found = self._loaded.pop(choice, None)
+        if found is None:
+            try:
+                found = self._load(choice)
+                found.warm_up()
+            except Exception as error:  # its libraries raise whatever they like for a file
+                raise EdgeVoxError(f"voice {choice.name}: cannot load it: {error}") from error
+        self._loaded[choice] = found
+        while len(self._loaded) > self._most:
+            self._loaded.popitem(last=False)
+        self.files = frozenset(file for one in self._loaded for file in one.files)
+        return found
+
+    def _load(self, choice: VoiceChoice) -> Synthesiser:
+        match choice.backend, choice.files:
+            case "piper", (model,):
+                from edgevox.voice.tts.piper import PiperSynthesiser
+
+                return PiperSynthesiser(model)
+            case "kokoro", (model, voices):
+                from edgevox.voice.tts.kokoro import KokoroSynthesiser, load_style
+
+                return KokoroSynthesiser(self._kokoro(model), load_style(voices, choice.voice.key))
+            case _:
+                return EspeakSynthesiser(open_espeak(), choice.voice.key)
+
+    def _kokoro(self, path: Path) -> "KokoroModel":
+        from edgevox.voice.tts.kokoro import KokoroModel, KokoroSynthesiser
+
+        for voice in self._loaded.values():
+            if isinstance(voice, KokoroSynthesiser) and voice.model.path == path:
+                return voice.model
+        return KokoroModel(path)

@@ -16,8 +16,7 @@ from pymicro_wakeword import MicroWakeWordFeatures
 from edgevox.core.errors import InvalidValue
 from edgevox.core.files.user_file import open_file, read_text
 from edgevox.voice.audio import RATE_HZ, Samples
-from edgevox.voice.wake.wakeword import QUIET_S
-from edgevox.voice.word_detection import KEPT_S, OncePerWord, WakeSleep
+from edgevox.voice.word_detection import KEPT_S, QUIET_S, OncePerWord, WakeSleep
 
 LARGEST_BYTES = 10_000_000
 _TFLITE = b"TFL3"

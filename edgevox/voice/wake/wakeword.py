@@ -6,43 +6,18 @@ jarvis").
 """
 
 from pathlib import Path
-from typing import Protocol
 
 import numpy as np
 from pyopen_wakeword import OpenWakeWord, OpenWakeWordFeatures
 
 from edgevox.core.errors import InvalidValue
 from edgevox.voice.audio import FRAME_SAMPLES, RATE_HZ, Samples
-from edgevox.voice.word_detection import KEPT_S, OncePerWord, WakeSleep
+from edgevox.voice.word_detection import KEPT_S, QUIET_S, OncePerWord, WakeSleep
 
 THRESHOLD = 0.5
-QUIET_S = 2.0
-"""Seconds in which a phrase counts once: each window that holds it reports it."""
 
 _CHUNK_SAMPLES = 1280  # what the networks take at once
 _NOT_PHRASES = ("embedding_model", "melspectrogram")
-
-
-class WakeDetector(Protocol):
-    """Hears one phrase."""
-
-    phrase: str
-
-    @property
-    def likelihood(self) -> float:
-        """The likelihood at the networks' last look that the phrase had just ended, 0 to 1."""
-
-    def heard(self, samples: Samples, probability: float) -> bool:
-        """Take the next frame, with its probability of voice; True once for each time it is said.
-
-        That is within 0.15 s of its end.
-        """
-
-    def reset(self) -> None:
-        """Forget what was heard: the next frame does not follow on it."""
-
-    def close(self) -> None:
-        """Free what it holds."""
 
 
 class WakeWord:

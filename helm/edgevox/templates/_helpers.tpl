@@ -99,7 +99,8 @@ edgevox/domain: {{ .domain | int | quote }}
 {{- end -}}
 {{- $robots = append $robots $robot -}}
 {{- end -}}
-{{- include "edgevox.validate" $robots -}}
+{{- $metricsPort := ternary (int .Values.serviceMonitor.port) 0 .Values.serviceMonitor.enabled -}}
+{{- include "edgevox.validate" (dict "robots" $robots "metricsPort" $metricsPort) -}}
 {{- dict "robots" $robots | toJson -}}
 {{- end -}}
 
@@ -180,19 +181,51 @@ helm.sh/chart: {{ printf "%s-%s" .root.Chart.Name .root.Chart.Version | replace 
 {{- join "," (uniq $names) -}}
 {{- end -}}
 
+{{/* That no two servers of a pod want one port. Takes where, robot and metricsPort: 0 without metrics. */}}
+{{- define "edgevox.validatePorts" -}}
+{{- $where := .where -}}
+{{- $taken := dict -}}
+{{- $ports := list (list "health.port" (int .robot.health.port)) -}}
+{{- if and .metricsPort (not .robot.hostNetwork) -}}
+{{- $ports = append $ports (list "serviceMonitor.port" .metricsPort) -}}
+{{- end -}}
+{{- if .robot.console.enabled -}}
+{{- $ports = append $ports (list "console.port" (int .robot.console.port)) -}}
+{{- end -}}
+{{- if .robot.recorder.enabled -}}
+{{- $ports = append $ports (list "recorder.healthPort" (int .robot.recorder.healthPort)) -}}
+{{- if and .metricsPort (not .robot.hostNetwork) -}}
+{{- $ports = append $ports (list "recorder.metricsPort" (int .robot.recorder.metricsPort)) -}}
+{{- end -}}
+{{- end -}}
+{{- range $ports -}}
+{{- $value := first . -}}
+{{- $port := last . | toString -}}
+{{- if hasKey $taken $port -}}
+{{- fail (printf "%s.%s: got %s, expected another port than %s has" $where $value $port (get $taken $port)) -}}
+{{- end -}}
+{{- $_ := set $taken $port $value -}}
+{{- end -}}
+{{- end -}}
+
 {{/* What one schema cannot say: that robots do not get into each other's way. */}}
 {{- define "edgevox.validate" -}}
+{{- $metricsPort := .metricsPort -}}
 {{- $names := dict -}}
 {{- $nodes := dict -}}
 {{- $frames := dict -}}
 {{- $hosts := dict -}}
 {{- $secrets := dict -}}
-{{- range $index, $robot := . -}}
+{{- range $index, $robot := .robots -}}
 {{- $where := printf "robots[%d]" $index -}}
 {{- if hasKey $names .name -}}
 {{- fail (printf "%s.name: got %q, expected a name that no other robot has" $where .name) -}}
 {{- end -}}
 {{- $_ := set $names .name true -}}
+{{- if and .discovery.servers (regexMatch "^discovery[0-9]+$" .name) -}}
+{{- fail (printf "%s.name: got %q, expected another name, since discovery servers have these" $where .name) -}}
+{{- end -}}
+{{- include "edgevox.validatePorts" (dict "where" $where "robot" . "metricsPort" $metricsPort) -}}
 {{- if and .files.data .files.configMap -}}
 {{- fail (printf "%s.files.configMap: got %q, expected none beside files.data" $where .files.configMap) -}}
 {{- end -}}

@@ -69,6 +69,12 @@ topologySpreadConstraints:
 {{- toYaml (merge (deepCopy .constraint) (ternary (dict) (dict "labelSelector" $robots) (hasKey .constraint "labelSelector"))) -}}
 {{- end -}}
 
+{{/* What a container asks for, with the node's disk, so that a full node does not evict it first. Takes resources and diskMb. */}}
+{{- define "edgevox.resources" -}}
+{{- $disk := dict "requests" (dict "ephemeral-storage" (printf "%dM" (int .diskMb))) -}}
+{{- toYaml (merge (deepCopy .resources) $disk) -}}
+{{- end -}}
+
 {{/* How health is asked: from outside the pod, or within it where outside is the whole LAN. */}}
 {{- define "edgevox.probe" -}}
 {{- if .robot.hostNetwork -}}

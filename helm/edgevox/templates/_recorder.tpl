@@ -4,9 +4,10 @@
 {{- $own := dict "files" (dict "data" (dict) "configMap" "") "plugins" (dict "volume" (dict)) "policy" (dict) "env" (list) "console" (dict "enabled" false) -}}
 {{- $none := dict "endpoint" "" "model" "none" -}}
 {{- $robot := mergeOverwrite (deepCopy .robot) (dict "llm" $none "settings" (dict)) -}}
+{{- $metrics := and .root.Values.serviceMonitor.enabled (not .robot.hostNetwork) -}}
 {{- range $name, $value := $own }}{{ $_ := set $robot $name $value }}{{ end -}}
 {{- $_ := set $robot "security" (dict "enabled" .robot.security.enabled "enclave" "") -}}
-{{- $_ := set $robot "settings" (dict "EDGEVOX_HEALTH_PORT" (int .robot.recorder.healthPort) "EDGEVOX_METRICS_PORT" 0) -}}
+{{- $_ := set $robot "settings" (dict "EDGEVOX_HEALTH_PORT" (int .robot.recorder.healthPort) "EDGEVOX_METRICS_PORT" (ternary (int .robot.recorder.metricsPort) 0 $metrics)) -}}
 {{- $kept := .robot.recorder -}}
 {{- if and (eq $kept.whenFull "ring") (lt (int $kept.mostMb) (mul 2 (int $kept.fileMb) | int)) -}}
 {{- fail (printf "recorder.mostMb: got %d, expected at least twice fileMb, %d" (int $kept.mostMb) (mul 2 (int $kept.fileMb))) -}}
@@ -28,6 +29,11 @@
       drop: [ALL]
   env:
     {{- include "edgevox.environment" (dict "root" .root "robot" $robot "robots" .robots) | trim | nindent 4 }}
+  {{- if $metrics }}
+  ports:
+    - name: rec-metrics
+      containerPort: {{ int $kept.metricsPort }}
+  {{- end }}
   # A recorder that is frozen starts again and mends its files. A full disk does not end it: see its log and metrics.
   livenessProbe:
     {{- if .robot.hostNetwork }}
@@ -42,7 +48,7 @@
     timeoutSeconds: 3
     failureThreshold: 6
   resources:
-    {{- toYaml $kept.resources | nindent 4 }}
+    {{- include "edgevox.resources" (dict "resources" $kept.resources "diskMb" 50) | nindent 4 }}
   volumeMounts:
     - name: tmp
       mountPath: /tmp
@@ -70,9 +76,9 @@
     - >-
       while true; do
       if rclone --config /run/secrets/rclone/rclone.conf "$UPLOAD_VERB" /recordings "$UPLOAD_TO"
-      --include '*.{mcap,yaml}' --immutable --s3-no-check-bucket --log-level NOTICE;
-      then rm -f "$XDG_CACHE_HOME/failed"; else touch "$XDG_CACHE_HOME/failed"; fi;
-      sleep "$UPLOAD_EVERY_S"; done
+      --include '*.{mcap,yaml}' --immutable --s3-no-check-bucket --log-level NOTICE --max-duration 30m;
+      then rm -f /recordings/upload.failed; else touch /recordings/upload.failed; fi;
+      touch /tmp/ended; sleep "$UPLOAD_EVERY_S"; done
   env:
     - {name: UPLOAD_VERB, value: {{ ternary "move" "copy" $upload.move }}}
     - {name: UPLOAD_TO, value: {{ printf "%s/%s" (trimSuffix "/" $upload.to) .robot.name | quote }}}
@@ -83,8 +89,13 @@
     readOnlyRootFilesystem: true
     capabilities:
       drop: [ALL]
+  # Restarted where no run has ended for two hours. A run that fails does not make the robot unready.
+  livenessProbe:
+    exec: {command: [sh, -c, 'test -z "$(find /tmp/ended -mmin +{{ add 120 (div (int $upload.everySeconds) 60) }})"']}
+    periodSeconds: 60
+    failureThreshold: 3
   resources:
-    {{- toYaml $upload.resources | nindent 4 }}
+    {{- include "edgevox.resources" (dict "resources" $upload.resources "diskMb" 80) | nindent 4 }}
   volumeMounts:
     - name: upload-tmp
       mountPath: /tmp

@@ -33,8 +33,7 @@ from edgevox.core.errors import EdgeVoxError, InvalidValue
 from edgevox.core.events import Responded
 from edgevox.core.settings import load_settings
 from edgevox.core.status import Level
-from edgevox.voice.stt.speech_to_text import Transcript
-from edgevox.voice.stt.watched import TELL_EVERY_S, WatchedSpeechToText
+from edgevox.voice.stt.speech_to_text import TELL_EVERY_S, Transcript, WatchedSpeechToText
 from edgevox.voice.tts.voices import PresentVoices
 
 WISH = "I'd be glad of some company next to the oven"

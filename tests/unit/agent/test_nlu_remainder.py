@@ -130,7 +130,6 @@ def test_a_bound_is_no_value(code: str) -> None:
         ("apartment", "move robot 2 m with speed 0.5"),
         ("external", "move 4 meters with speed 3"),
         ("apartment", "move 2 m then 4 m"),
-        ("apartment", "drive 4,5 m"),
         ("apartment", "go 3 by 4"),
         ("apartment", "drive 3 times 4"),
         ("apartment", "go to level 3 position 4"),
@@ -160,6 +159,7 @@ def test_a_bound_is_no_value(code: str) -> None:
         ("apartment", "go to the kitchen and wash the dishes"),
         ("apartment", "remember the point x 7 y 2 as den"),
         ("apartment", "light up the kitchen"),
+        ("apartment", "grab the cup on the left of the plate"),
     ],
 )
 def test_what_no_value_took_leaves_no_order(robot: str, text: str) -> None:
@@ -222,6 +222,7 @@ def test_what_no_value_took_leaves_no_order_in_any_language(
         ("humanoid", "walk forward 1/2 meter", Call("walk_forward", {"distance": 0.5})),
         ("humanoid", "walk forward 2\u00bd m", Call("walk_forward", {"distance": 2.5})),
         ("humanoid", "walk forward 4,5 meters", Call("walk_forward", {"distance": 4.5})),
+        ("apartment", "drive 4,5 m", Call("drive_forward", {"distance": 4.5})),
         ("humanoid", "walk forward 500 mm", Call("walk_forward", {"distance": 0.5})),
         ("humanoid", "walk forward \N{MINUS SIGN}1 m", Call("walk_forward", {"distance": -1.0})),
         ("humanoid", "walk forward one and a half metres", Call("walk_forward", {"distance": 1.5})),

@@ -9,7 +9,7 @@ import pytest
 from edgevox.agent.policy.explain import explain
 from edgevox.agent.policy.file import PolicyFile, Rule, WayName, parse_policy, read_policy_file
 from edgevox.apps.agent.policy import known_names
-from edgevox.core.ways import Way
+from edgevox.core.commands import Way
 from edgevox.robots.flat.apartment import ApartmentRobot
 
 ROOT = Path(__file__).parents[3]

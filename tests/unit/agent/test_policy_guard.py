@@ -13,10 +13,10 @@ from edgevox.agent.policy.status import NO_FILE, PolicyComponent
 from edgevox.apps.agent.policy import build_guard, known_names, policy_context
 from edgevox.core.agent_events import GoalRejected, as_json
 from edgevox.core.bus import Bus
+from edgevox.core.commands import Way
 from edgevox.core.errors import InvalidValue
 from edgevox.core.settings import check_settings
 from edgevox.core.status import Level
-from edgevox.core.ways import Way
 from edgevox.robots.capabilities import Twist2D
 from edgevox.robots.flat.apartment import ApartmentRobot
 
@@ -165,6 +165,16 @@ def test_what_needs_a_yes_is_a_question_only_where_somebody_can_answer(file, way
     asks = way in {Way.VOICE, Way.TYPED, Way.TEXT_INPUT, Way.CONSOLE_VIEWER, Way.CONSOLE_OPERATOR}
     assert way.attended is asks
     assert code(Guard(file), way) == ("needs_confirmation" if asks else "needs_a_person")
+
+
+def test_a_call_that_needs_a_yes_is_a_refusal_where_its_caller_cannot_ask(file):
+    bus, told = Bus(), []
+    bus.subscribe(GoalRejected, lambda event: told.append(event.reason.code))
+    file.write_text(CONFIRM)
+    guard = Guard(file, bus)
+    assert code(guard) == "needs_confirmation"
+    assert guard.refusals == {("voice", "needs_confirmation"): 1}
+    assert told == ["needs_confirmation"]
 
 
 def test_a_refusal_is_counted_by_way_and_code_and_told_as_a_rejected_goal(file):

@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 
 from edgevox.agent.policy import Policy, PolicyContext, Rule
 from edgevox.agent.policy.file import parse_policy
+from edgevox.core.commands import Way
 from edgevox.core.transforms import Pose2D
-from edgevox.core.ways import Way
 
 SPEEDS = st.floats(min_value=-1e9, max_value=1e9)
 PLACES = {"kitchen": (8.0, 2.0), "living_room": (2.0, 2.0)}

@@ -14,10 +14,9 @@ from edgevox.agent.skills import GoalHandle, OneOf, SkillSet, skill
 from edgevox.agent.text.reasons import because
 from edgevox.core.agent_events import AgentEvent, as_json
 from edgevox.core.bus import Bus
-from edgevox.core.commands import Heard, Interrupt, Reset, RunSkill, TextInput
+from edgevox.core.commands import Heard, Interrupt, Reset, RunSkill, TextInput, Way
 from edgevox.core.events import Outcome, Responded, TurnEnded
 from edgevox.core.languages import LANGUAGES
-from edgevox.core.ways import Way
 
 QUESTION = "Shall I do this? Driving."
 DENIED = "I cannot do that: I am not permitted to do that."

@@ -7,7 +7,7 @@ import pytest
 from support.conversation import drives
 
 from edgevox.agent.programs.keeper import LEAD_S
-from edgevox.core.ways import Way
+from edgevox.core.commands import Way
 
 LATER = "in five minutes, go to the office"
 KEPT = phrases.said(

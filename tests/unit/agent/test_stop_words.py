@@ -13,8 +13,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from edgevox.agent.stop.words import SafetyWords
-from edgevox.core.languages import LANGUAGES
-from edgevox.core.stop_words import STOP_SIGNS, STOP_WORDS
+from edgevox.core.languages import LANGUAGES, STOP_SIGNS, STOP_WORDS
 
 SENTENCES = tomllib.loads((Path(__file__).parents[1] / "stop_sentences.toml").read_text("utf-8"))
 HALTS = {code: one["halts"] for code, one in SENTENCES.items()}

@@ -5,10 +5,9 @@ from collections.abc import Callable
 import pytest
 from stop_game import StopGame
 
-from edgevox.core.commands import Interrupt
+from edgevox.core.commands import Interrupt, Way
 from edgevox.core.events import Cause
 from edgevox.core.motion.interlock import StreamStopped
-from edgevox.core.ways import Way
 
 ALL = {
     "the goal that moves",

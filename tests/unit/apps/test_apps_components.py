@@ -1,5 +1,6 @@
 """The components that an agent lists, with their values fetched from its parts."""
 
+import sys
 from contextlib import ExitStack
 from pathlib import Path
 
@@ -8,17 +9,18 @@ import yaml
 
 from edgevox.agent.llm.language_model import ModelFailed
 from edgevox.agent.llm.remote import FallbackModel
-from edgevox.apps.agent.build import build_parts
-from edgevox.apps.agent.components import list_components
+from edgevox.apps.agent.build import build_parts, list_components
 from edgevox.apps.folders import places_folder, written_folders
 from edgevox.core.cancel import CancelToken
-from edgevox.core.gauges import Gauges
 from edgevox.core.settings import check_settings
-from edgevox.core.status import Level
-from edgevox.ops.diagnostics.component_table import COMPONENTS
+from edgevox.core.status import Gauges, Level
 from edgevox.robots.flat.apartment import ApartmentRobot
 from edgevox.ros2.contract import DIAGNOSTICS
 from edgevox.ros2.open import NullBridge
+
+sys.path.insert(0, str(Path(__file__).parents[3] / "scripts"))
+
+from docs.components import COMPONENTS
 
 EXAMPLE = Path(__file__).parents[3] / "examples" / "ros2" / "diagnostics.yaml"
 

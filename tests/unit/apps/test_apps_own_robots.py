@@ -43,11 +43,11 @@ def patrol(monkeypatch):
     return watchman.patrol_skill(None)
 
 
-@pytest.mark.parametrize("home", ["edgevox.robots.plugin", "edgevox.apps.robot"])
-def test_an_installed_package_brings_its_robot_also_one_that_was_written_earlier(home, install):
+def test_an_installed_package_brings_its_robot(install):
     install(
         "someones_robot:MINE",
-        f"from {home} import Robot\nMINE = Robot('mine', lambda settings, speed: speed)",
+        "from edgevox.robots.plugin import Robot\n"
+        "MINE = Robot('mine', lambda settings, speed: speed)",
     )
     mine = installed_robots()["robot-someones"]
     assert mine.about == "mine"

@@ -7,11 +7,11 @@ import pytest
 from doctor_rig import ERROR, OK, SKIPPED, WARNING, situation
 
 from edgevox.apps import edgevox
-from edgevox.apps.doctor import runner
-from edgevox.apps.doctor.check import Check, CheckAnswer, CheckVerdict, error, ok, warning
+from edgevox.apps.doctor import check
+from edgevox.apps.doctor.check import Check, CheckAnswer, CheckVerdict, ask, error, ok, warning
 from edgevox.apps.doctor.checks import CHECKS
 from edgevox.apps.doctor.command import as_json, print_table, worst
-from edgevox.apps.doctor.runner import ProbeFailed, ask, probe_apart
+from edgevox.core.probe import ProbeFailed, probe_apart
 
 HERE = "doctor_probes"
 
@@ -36,7 +36,7 @@ def test_a_check_that_breaks_is_an_error_and_what_needs_it_is_not_tried(monkeypa
     def lost(_address):
         raise ProbeFailed("it ended the process with SIGSEGV")
 
-    monkeypatch.setattr(runner, "probe_apart", lost)
+    monkeypatch.setattr(check, "probe_apart", lost)
     checks = [
         Check("ros2", "", "somewhere:probe", lambda *_: ok("fine"), if_lost="reinstall it"),
         Check("round trip", "", lambda _: {}, lambda *_: ok("fine"), needs=("ros2",)),

@@ -7,10 +7,10 @@ from gguf_files import small_gguf
 from edgevox.agent.llm import weights
 from edgevox.agent.llm.factory import load_model
 from edgevox.agent.llm.language_model import ModelFailed
-from edgevox.apps.doctor import machine, model_files, process_environment, sound
+from edgevox.apps.doctor import machine, model_files, sound
 from edgevox.apps.doctor import machine as graphics
 from edgevox.models import Store
-from edgevox.ops.diagnostics.disk import MIB
+from edgevox.ops.machine import MIB
 
 PC = {"version": [3, 12, 1], "system": "Linux", "release": "6.1", "machine": "x86_64"}
 
@@ -84,7 +84,10 @@ def test_a_model_that_is_not_here_yet_takes_at_least_its_size(tmp_path, monkeypa
 
 def test_a_disk_is_judged_as_on_diagnostics():
     gib = 2**30
-    facts = {"rooms": [["/a", 1, 50 * gib, 100 * gib, True], ["/b", 2, 1000, 100 * gib, True]]}
+    facts = {
+        "rooms": [["/a", 1, 50 * gib, 100 * gib, True], ["/b", 2, 1000, 100 * gib, True]],
+        "sealed": [],
+    }
     assert levels(machine.judge_disk(facts, situation())) == [OK, ERROR]
 
 
@@ -99,13 +102,11 @@ def test_a_clock_must_have_been_set(now_s, synchronised, level):
 
 def test_a_misspelled_variable_is_found_and_nonsense_is_an_error():
     here = situation(environment={"EDGEVOX_LANGAUGE": "en", "EDGEVOX_LLM": "none"})
-    said = process_environment.judge_settings(process_environment.probe_settings(here), here)
+    said = machine.judge_settings(machine.probe_settings(here), here)
     assert levels(said) == [WARNING, OK]
     assert "did you mean EDGEVOX_LANGUAGE" in said[0].found
     refused = situation(refused="EDGEVOX_LANGUAGE: got 'xx'")
-    assert levels(process_environment.judge_settings({"given": [], "unknown": []}, refused)) == [
-        ERROR
-    ]
+    assert levels(machine.judge_settings({"given": [], "unknown": []}, refused)) == [ERROR]
 
 
 @pytest.mark.parametrize(
@@ -117,7 +118,7 @@ def test_a_misspelled_variable_is_found_and_nonsense_is_an_error():
     ],
 )
 def test_files_must_be_writable_where_they_are_made(facts, level):
-    assert process_environment.judge_folders(facts, situation()).level is level
+    assert machine.judge_folders(facts, situation()).level is level
 
 
 @pytest.mark.parametrize(
@@ -125,7 +126,7 @@ def test_files_must_be_writable_where_they_are_made(facts, level):
 )
 def test_a_container_needs_no_root(inside, uid, level):
     facts = {"inside": inside, "uid": uid, "read_only": True}
-    assert process_environment.judge_container(facts, situation()).level is level
+    assert machine.judge_container(facts, situation()).level is level
 
 
 SEEN = {

@@ -3,7 +3,7 @@
 import pytest
 from doctor_rig import ERROR, OK, SKIPPED, WARNING, levels, situation
 
-from edgevox.apps.doctor import network, ros
+from edgevox.apps.doctor import ros
 
 RCLPY = {"missing": "", "failed": "", "middleware": "rmw_fastrtps_cpp", "installed": []}
 
@@ -89,7 +89,7 @@ def test_a_message_must_come_back(trip_ms, environment, level):
     ],
 )
 def test_multicast_must_work_on_a_network_if_there_is_one(interfaces, level):
-    assert network.judge_multicast({"interfaces": interfaces}, situation()).level is level
+    assert ros.judge_multicast({"interfaces": interfaces}, situation()).level is level
 
 
 SHM = {"there": True, "writable": True, "size_mib": 256, "free_mib": 200}
@@ -109,23 +109,23 @@ SHM |= {"stale": 0, "stale_mib": 0}
     ],
 )
 def test_shared_memory_must_be_large_and_free(changed, level):
-    assert network.judge_shared_memory(SHM | changed, situation()).level is level
+    assert ros.judge_shared_memory(SHM | changed, situation()).level is level
 
 
 def test_a_segment_is_stale_once_nobody_holds_its_lock(tmp_path, monkeypatch):
     import fcntl
 
-    monkeypatch.setattr(network, "SHM", tmp_path)
+    monkeypatch.setattr(ros, "SHM", tmp_path)
     (tmp_path / "fastrtps_0123").write_bytes(b"x" * 3 * 2**20)
     with (tmp_path / "fastrtps_0123_el").open("wb") as lock:
         fcntl.flock(lock, fcntl.LOCK_EX)
-        assert network.probe_shared_memory(situation())["stale"] == 0
-    facts = network.probe_shared_memory(situation())
+        assert ros.probe_shared_memory(situation())["stale"] == 0
+    facts = ros.probe_shared_memory(situation())
     assert (facts["stale"], facts["stale_mib"]) == (1, 3)
 
 
 @pytest.mark.parametrize("most", [None, 212992, 4 * 2**20])
 def test_small_buffers_are_a_hint_and_no_fault(most):
-    said = network.judge_buffers({"rmem_max": most}, situation())
+    said = ros.judge_buffers({"rmem_max": most}, situation())
     assert said.level is OK
     assert bool(said.advice) == (most == 212992)

@@ -26,6 +26,7 @@ def _ros(tmp_path, monkeypatch):
     index = tmp_path / "share/ament_index/resource_index/rmw_typesupport"
     index.mkdir(parents=True)
     (index / "rmw_fastrtps_cpp").touch()
+    (index / "rmw_implementation").touch()  # loads one of the others
     monkeypatch.setenv("AMENT_PREFIX_PATH", str(tmp_path))
 
 
@@ -192,9 +193,10 @@ def test_a_folder_with_only_a_world_is_a_simulated_robot_and_what_is_set_counts_
     (folder / "world.yaml").touch()
     given = {"EDGEVOX_ROBOT_FOLDER": str(folder)}
     assert _prepared(**given)["EDGEVOX_AGENT"] == "robot-apartment"
-    given |= {"EDGEVOX_WORLD": "/other.yaml", "EDGEVOX_AGENT": "robot-irsim"}
+    (other := folder.parent / "other.yaml").touch()
+    given |= {"EDGEVOX_WORLD": str(other), "EDGEVOX_AGENT": "robot-irsim"}
     environment = _prepared(**given)
-    assert environment["EDGEVOX_WORLD"] == "/other.yaml"
+    assert environment["EDGEVOX_WORLD"] == str(other)
     assert environment["EDGEVOX_AGENT"] == "robot-irsim"
 
 
@@ -217,3 +219,8 @@ def test_a_slip_in_a_name_in_a_robots_folder_is_told(folder):
     said = []
     prepared({"EDGEVOX_ROBOT_FOLDER": str(folder)}, said.append)
     assert said == ["EDGEVOX_ROBOT_FOLDER: nothing reads robot.yml; did you mean robot.yaml?"]
+
+
+def test_what_only_loads_a_middleware_is_none():
+    with pytest.raises(InvalidValue, match="one of rmw_fastrtps_cpp$"):
+        _prepared(RMW_IMPLEMENTATION="rmw_implementation")

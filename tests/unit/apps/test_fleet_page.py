@@ -17,8 +17,7 @@ from guards import HUNG_S
 from support.clock import HeldClock
 
 from edgevox.apps.console_command import main
-from edgevox.apps.fleet.robots_file import FleetRobot, load_fleet
-from edgevox.apps.fleet.serve import FleetWatch, ask_health, fleet_server
+from edgevox.apps.fleet.serve import FleetRobot, FleetWatch, ask_health, fleet_server, load_fleet
 from edgevox.core.errors import InvalidValue
 from edgevox.core.status import Components, HealthCheck
 from edgevox.ops.health import Health, HealthServer

@@ -14,8 +14,7 @@ import pytest
 
 from edgevox.apps.agent.main import main
 from edgevox.apps.container import prepared
-from edgevox.apps.plugins import bring_plugins, plugins_folder
-from edgevox.apps.plugins.bring_plugins import SourceFinder
+from edgevox.apps.plugins import SourceFinder, bring_plugins, plugins_folder
 from edgevox.apps.robots import ROBOTS, learn_robots
 from edgevox.core.errors import InvalidValue
 from edgevox.robots.plugin import GROUP

@@ -7,8 +7,7 @@ from pathlib import Path
 import pytest
 
 from edgevox.apps.agent.main import check_robot, parse_arguments
-from edgevox.apps.agent.skills import gather_skills
-from edgevox.apps.robots import build_agents, build_body
+from edgevox.apps.robots import build_agents, build_body, gather_skills
 from edgevox.core.errors import InvalidValue
 from edgevox.core.settings import load_settings
 from edgevox.robots.skill_packages import SKILL_GROUP, SkillContext

@@ -282,9 +282,11 @@ def test_where_it_is_known_a_service_monitor_reads_the_metrics_port(tmp_path, mo
     (monitor,) = [one for one in rendered if one["kind"] == "ServiceMonitor"]
     (service,) = [one for one in rendered if one["kind"] == "Service"]
     assert monitor["metadata"]["labels"]["a"] == "b"
-    (endpoint,) = monitor["spec"]["endpoints"]
-    assert (endpoint["port"], endpoint["interval"]) == ("metrics", "15s")
-    assert [one["targetLabel"] for one in endpoint["relabelings"]] == ["robot", "domain"]
+    endpoints = monitor["spec"]["endpoints"]
+    assert [one["port"] for one in endpoints] == ["metrics", "rec-metrics"]
+    for endpoint in endpoints:
+        assert endpoint["interval"] == "15s"
+        assert [one["targetLabel"] for one in endpoint["relabelings"]] == ["robot", "domain"]
     assert {"name": "metrics", "port": 9000, "targetPort": "metrics"} in service["spec"]["ports"]
 
 
@@ -303,6 +305,24 @@ def test_metrics_are_served_where_prometheus_reads_them_and_nowhere_else() -> No
         assert [one["name"] for one in quiet["containers"][0]["ports"]] == ["health"]
     own = {"EDGEVOX_METRICS_PORT": 9465}
     assert environment(solo(hostNetwork=True, settings=own))["EDGEVOX_METRICS_PORT"] == "9465"
+
+
+def test_a_new_version_of_the_chart_alone_restarts_no_robot() -> None:
+    for one in objects(FLEET | {"discovery": {"servers": True}}, "StatefulSet"):
+        assert any("version" in label for label in one["metadata"]["labels"])
+        labels = one["spec"]["template"]["metadata"]["labels"]
+        assert not [label for label in labels if "version" in label or "chart" in label]
+
+
+def test_a_robot_asks_for_the_disk_of_its_node_that_it_fills() -> None:
+    def asked(**robot: Any) -> str:
+        return solo(**robot)["containers"][0]["resources"]["requests"]["ephemeral-storage"]
+
+    assert asked() == "50M"
+    assert asked(console={"enabled": True, "recordings": {"mb": 500}}) == "650M"
+    of_its_own = {"mb": 500, "volume": {"persistentVolumeClaim": {"claimName": "kept"}}}
+    assert asked(console={"enabled": True, "recordings": of_its_own}) == "50M"
+    assert asked(resources={"requests": {"ephemeral-storage": "1Gi"}}) == "1Gi"
 
 
 def test_the_chart_is_of_the_version_of_the_program() -> None:

@@ -51,6 +51,15 @@ def test_it_runs_the_image_of_the_upgrade_with_a_robots_rights_where_the_robot_m
     assert "hostNetwork" not in job
 
 
+def test_it_wants_no_device_of_the_robots_and_ends_also_where_it_finds_no_node() -> None:
+    sound = {"limits": {"memory": "4Gi", "squat.ai/sound": 1}}
+    (job, *_) = jobs(resources=sound, models={**ASKED["models"], "verifySeconds": 60})
+    (container,) = job["spec"]["template"]["spec"]["containers"]
+
+    assert job["spec"]["activeDeadlineSeconds"] == 60
+    assert set(container["resources"]["limits"]) == {"memory"}
+
+
 def test_nothing_takes_it_for_a_robot() -> None:
     (robot, *_) = objects({"robots": [{"name": "a", "domain": 1}]}, "StatefulSet")
     (job, *_) = jobs(**ASKED)

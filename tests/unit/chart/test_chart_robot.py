@@ -12,8 +12,8 @@ from chart_rig import ONE, chart, environment, objects, pods, solo, validate
 
 from edgevox.apps.container import prepared
 from edgevox.apps.recorder import parse_arguments
-from edgevox.ros2.recordings import WhenFull
-from edgevox.ros2.robot_file.load import load_robot_file
+from edgevox.ros2.recordings import UPLOAD_FAILED, WhenFull
+from edgevox.ros2.robot_file.format import load_robot_file
 
 EXAMPLES = sorted(
     one for one in (chart.CHART / "examples").glob("*.yaml") if "rendered" not in one.name
@@ -219,6 +219,31 @@ def test_recordings_go_to_object_storage_by_the_command_that_compose_has(version
         one for one in pods(ONE | UPLOAD)["solo"]["containers"] if one["name"] == "recorder"
     ]
     assert all(one["name"] != "upload-config" for one in recorder["volumeMounts"])
+    assert "readinessProbe" not in made, "a store that is down does not make the robot unready"
+
+
+def test_a_recorders_metrics_are_served_where_a_robots_are() -> None:
+    def served(values: dict[str, Any]) -> tuple[str, bool, bool, bool]:
+        kept = values | {"recorder": {"enabled": True, "metricsPort": 9500}}
+        (recorder,) = [one for one in pods(kept)["solo"]["containers"] if one["name"] == "recorder"]
+        (told,) = [o["value"] for o in recorder["env"] if o["name"] == "EDGEVOX_METRICS_PORT"]
+        (policy,) = objects(kept, "NetworkPolicy")
+        (service,) = objects(kept, "Service")
+        open_to = [port["port"] for rule in policy["spec"]["ingress"] for port in rule["ports"]]
+        return (
+            told,
+            {"name": "rec-metrics", "containerPort": 9500} in recorder.get("ports", []),
+            "rec-metrics" in open_to,
+            {"name": "rec-metrics", "port": 9500, "targetPort": "rec-metrics"}
+            in service["spec"]["ports"],
+        )
+
+    monitored = {
+        "serviceMonitor": {"enabled": True},
+        "networkPolicy": {"monitoring": [{"podSelector": {}}]},
+    }
+    assert served(ONE | monitored) == ("9500", True, True, True)
+    assert served(ONE) == ("0", False, False, False)
 
 
 UPLOADER = """#!/bin/sh
@@ -241,13 +266,18 @@ def test_an_upload_that_failed_is_told_until_one_succeeds(tmp_path) -> None:
         "LOG": str(tmp_path / "log"),
         "WAITS": str(tmp_path / "waits"),
         "GO": str(tmp_path / "go"),
-        "XDG_CACHE_HOME": str(tmp_path),
     }
     told = []
-    with subprocess.Popen([*made["command"], *made["args"]], env=given) as process:
+    recordings = tmp_path / "recordings"
+    recordings.mkdir()
+    (loop,) = made["args"]
+    loop = loop.replace("/tmp/ended", str(tmp_path / "ended"))  # noqa: S108
+    loop = loop.replace(" /recordings/", f" {recordings}/")
+    with subprocess.Popen([*made["command"], loop], env=given) as process:
         for _ in range(2):
             assert (tmp_path / "waits").read_text() == "60\n"
-            told.append((tmp_path / "failed").exists())
+            told.append((recordings / UPLOAD_FAILED).exists())
+            assert (tmp_path / "ended").exists()
             if len(told) == 2:
                 process.kill()
             (tmp_path / "go").write_text("\n")

@@ -9,9 +9,8 @@ import pytest
 
 from edgevox.console.lease import GONE_S, IDLE_S, Lease
 from edgevox.console.limits import PageRateLimit
-from edgevox.console.pairing import LAST_S, MOST_WRONG, Pairing
+from edgevox.console.sessions import CODE_LAST_S, MOST_WRONG, Pairing, Role, Sessions
 from edgevox.console.sessions import LAST_S as SESSION_S
-from edgevox.console.sessions import Role, Sessions
 from tests.console_rig import Rig, console
 
 
@@ -99,7 +98,7 @@ def test_a_code_is_worth_nothing_after_some_minutes(tmp_path: Path) -> None:
     clock = HeldClock()
     pairing = Pairing(tmp_path, clock.now)
     code = pairing.offer()
-    clock.at += LAST_S
+    clock.at += CODE_LAST_S
     assert pairing.redeem(code.code) is None
 
 

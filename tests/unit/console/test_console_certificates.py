@@ -10,7 +10,7 @@ import pytest
 
 from edgevox.console import console_server
 from edgevox.console.certificates import DAYS, RENEW_DAYS, local_names, own_tls, utc_now
-from edgevox.console.open_console import tls_of
+from edgevox.console.console_server import tls_of
 from edgevox.console.tls import CurrentTls, Tls
 from edgevox.core.errors import InvalidValue
 from edgevox.core.settings import check_settings

@@ -9,15 +9,14 @@ from typing import Any
 import aiohttp
 import pytest
 
-from edgevox.console import driving
+from edgevox.console import page_hub
 from edgevox.console.outbox import MOST_WAITING, Outbox
 from edgevox.console.sessions import Role
 from edgevox.core.agent_events import GoalRejected
-from edgevox.core.commands import TextInput
+from edgevox.core.commands import TextInput, Way
 from edgevox.core.errors import InvalidValue
 from edgevox.core.events import TokenGenerated
 from edgevox.core.reason import Reason
-from edgevox.core.ways import Way
 from tests.console_rig import WAIT_S, Rig, console
 
 
@@ -151,7 +150,7 @@ def test_what_is_driven_is_halted_when_its_page(rig: Rig, how: str) -> None:
 def test_of_two_tabs_of_a_browser_one_drives_until_it_lets_go(
     rig: Rig, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(driving, "HEARTBEAT_S", 600.0)
+    monkeypatch.setattr(page_hub, "HEARTBEAT_S", 600.0)
 
     async def drive() -> list[str]:
         cookie = rig.cookie()

@@ -22,8 +22,8 @@ from waiting import wait_until
 
 from edgevox.apps.console import robot_recorder
 from edgevox.apps.console.robot_recorder import NoRecorder, RobotRecorder, open_recorder
+from edgevox.console.page_files import PAGE
 from edgevox.console.sessions import Role
-from edgevox.console.site import PAGE
 from edgevox.core.errors import EdgeVoxError
 from edgevox.core.languages import LANGUAGES
 from edgevox.core.settings import load_settings
@@ -178,8 +178,8 @@ def test_whoever_listens_is_told_that_it_begins_and_ends(recorder):
 
 def test_a_recorder_whose_agent_is_gone_ends_as_if_it_were_asked_to():
     program = (
-        "import threading, edgevox.apps.console.recorder_child as child;"
-        "child.record = lambda: threading.Event().wait(); child.main()"
+        "import threading, edgevox.apps.recorder as recorder;"
+        "recorder.main = lambda: threading.Event().wait(); recorder.main_under_agent()"
     )
     with subprocess.Popen([sys.executable, "-c", program], stdin=subprocess.PIPE) as process:
         assert process.poll() is None

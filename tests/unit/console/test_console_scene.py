@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from edgevox.console import sampling
+from edgevox.console import console_server
 from edgevox.console.sessions import Role
 from tests.console_rig import Rig, console
 
@@ -41,7 +41,7 @@ def test_another_map_is_told_to_who_is_there_and_to_who_comes_later(rig: Rig) ->
 def test_one_that_stays_the_same_is_not_told_again(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(sampling, "STATUS_S", 0.05)  # five looks count, not their pace
+    monkeypatch.setattr(console_server, "STATUS_S", 0.05)  # five looks count, not their pace
     looks = 0
 
     def same() -> dict[str, Any]:

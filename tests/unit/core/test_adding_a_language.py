@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from edgevox.core.language_files import CODES, language_file
+from edgevox.core.languages import CODES, language_file
 
 TESTS = Path(__file__).parents[2]
 OTHERS = [code for code in CODES if code != "en"]

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from edgevox.core.process.cgroup import cpu_quota, memory_left, usable_cpus
+from edgevox.core.process import cpu_quota, memory_left, usable_cpus
 
 MIB = 1 << 20
 

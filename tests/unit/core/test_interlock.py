@@ -15,7 +15,7 @@ from edgevox.core.commands import Interrupt, RunSkill, TextInput
 from edgevox.core.events import Responded
 from edgevox.core.languages import LANGUAGES
 from edgevox.core.motion.interlock import Holder, Interlock
-from edgevox.ros2.presence.sharing import NOT_IN_CHARGE
+from edgevox.ros2.presence import NOT_IN_CHARGE
 
 WAIT_S = 60.0
 REFUSED = phrases.refused("other_agent")

@@ -9,13 +9,13 @@ from edgevox.agent.skills import SkillFailed
 from edgevox.agent.text.reasons import because
 from edgevox.core.agent_events import SoftwareStopChanged
 from edgevox.core.bus import Bus
+from edgevox.core.commands import Way
 from edgevox.core.errors import InvalidValue
 from edgevox.core.languages import LANGUAGES
 from edgevox.core.motion.interlock import Holder, Interlock, InterlockComponent
 from edgevox.core.motion.software_stop import SoftwareStop, StopState
 from edgevox.core.reason import NO_REASON
 from edgevox.core.status import Level
-from edgevox.core.ways import Way
 from edgevox.robots.capabilities import Twist2D
 from edgevox.robots.limits import Steering
 

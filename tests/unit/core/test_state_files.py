@@ -12,17 +12,15 @@ from small_disk import small_disk
 from edgevox.agent.skills import SkillFailed
 from edgevox.agent.skills.choices import OneOf
 from edgevox.console.certificates import own_tls
-from edgevox.console.pairing import Pairing
-from edgevox.console.sessions import Role, Sessions
+from edgevox.console.sessions import Pairing, Role, Sessions
 from edgevox.console.tls import CurrentTls
 from edgevox.core.errors import InvalidValue
-from edgevox.core.files.atomic_file import write_atomically
-from edgevox.core.files.state_files import StateFiles
+from edgevox.core.files.state_files import StateFiles, write_atomically
 from edgevox.core.files.user_file import LARGEST_TEXT_BYTES
 from edgevox.core.status import Level
 from edgevox.core.transforms import Pose2D
 from edgevox.models.manifest import ModelFile
-from edgevox.models.verification import STAMPS, forget, is_whole
+from edgevox.models.store import STAMPS, forget, is_whole
 from edgevox.robots.flat.apartment import ApartmentRobot
 from edgevox.robots.places.memory import PlaceMemory
 from edgevox.robots.places.store import MOST_PLACES, PlaceStore

@@ -17,7 +17,7 @@ from edgevox.robots.humanoid.scene import read_robot
 from edgevox.robots.world.load import load_world
 from edgevox.ros2.external.locations import load_locations
 from edgevox.scenario import load_scenario
-from edgevox.voice.sinks.wav_file import WavFile
+from edgevox.voice.sinks.open_sink import WavFile
 from edgevox.voice.sources.open_source import open_source
 
 HANG_S = 60

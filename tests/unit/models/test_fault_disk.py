@@ -20,16 +20,15 @@ from waiting import wait_until
 
 from edgevox.core.cancel import CancelToken
 from edgevox.models import StoreNotWritable, fetch
-from edgevox.models.source_specs import WheelSource
+from edgevox.models.manifest import WheelSource
 from edgevox.models.sources.tools import place_for
-from edgevox.ros2.recorder.disk import WriteQueue, Writing
+from edgevox.ros2.recorder.disk import Disk, WriteQueue, Writing
 from edgevox.ros2.recorder.mcap import RecordedMessage
 from edgevox.ros2.recorder.mend import mend_files
 from edgevox.ros2.recorder.recorded_topics import choose_topics
-from edgevox.ros2.recorder.room import Disk
 from edgevox.voice.audio import Chunk
+from edgevox.voice.sinks.open_sink import RATE_HZ, RETRY_S, WavFile
 from edgevox.voice.sinks.paced import PacedSink
-from edgevox.voice.sinks.wav_file import RATE_HZ, RETRY_S, WavFile
 
 (TEXT,) = choose_topics("/robot1", ["response"])
 NOISE = np.random.default_rng(1)

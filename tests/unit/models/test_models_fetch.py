@@ -20,7 +20,7 @@ from models_wheelhouse import (
 
 from edgevox.models import FetchFailed, StoreNotWritable, UnknownModel, fetch
 from edgevox.models.fetch_progress import SilentProgress
-from edgevox.models.source_specs import HubSource
+from edgevox.models.manifest import HubSource
 from edgevox.models.sources.hub import Hub
 
 HUB = {"kind": "hub", "repo": "us/voices"}

@@ -14,8 +14,8 @@ from models_wheelhouse import CONFIG, VOICE, Counts, store, voice
 
 from edgevox.models import FetchFailed, Store, fetch
 from edgevox.models.fetch_progress import SilentProgress
+from edgevox.models.manifest import HubSource
 from edgevox.models.model_errors import SourceFailed
-from edgevox.models.source_specs import HubSource
 from edgevox.models.sources.hub import Hub
 
 SPEC = HubSource(kind="hub", repo="us/voices", revision="v1", folder="en")

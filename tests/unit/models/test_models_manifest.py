@@ -5,8 +5,15 @@ from models_wheelhouse import CHAT, CHAT_WHEELS, entry, manifest, model, voice
 
 from edgevox.core.languages import LANGUAGES
 from edgevox.core.settings import Settings
-from edgevox.models.manifest import ModelFile, builtin_manifest, parse_manifest
-from edgevox.models.source_specs import GitSource, HubSource, NpmSource, WheelSource
+from edgevox.models.manifest import (
+    GitSource,
+    HubSource,
+    ModelFile,
+    NpmSource,
+    WheelSource,
+    builtin_manifest,
+    parse_manifest,
+)
 
 HUB = {"kind": "hub", "repo": "us/chat"}
 KINDS = [HubSource, WheelSource, NpmSource, GitSource]

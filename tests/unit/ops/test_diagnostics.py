@@ -12,28 +12,36 @@ from support.clock import HeldClock
 from edgevox.agent.llm.status import LlmComponent
 from edgevox.core.bus import Bus
 from edgevox.core.events import AudioLevel, Outcome, TokenGenerated, TurnEnded, TurnMeasured
-from edgevox.core.gauges import Gauges
 from edgevox.core.languages import LANGUAGES
 from edgevox.core.status import (
     LATELY_S,
     STALL_S,
     Components,
     Finding,
+    Gauges,
     HealthCheck,
     Level,
     Off,
     RecentIncrease,
     Status,
 )
-from edgevox.ops.diagnostics.disk import MIB, DiskSpace, disk_status, room, rooms
-from edgevox.ops.diagnostics.process import ProcessComponent
 from edgevox.ops.health import Health
+from edgevox.ops.machine import (
+    MIB,
+    DiskComponent,
+    DiskSpace,
+    ProcessComponent,
+    disk_status,
+    room,
+    rooms,
+    unwritable,
+)
 from edgevox.robots.capabilities import Twist2D
 from edgevox.robots.flat.diff_drive import DiffDriveRobot
 from edgevox.robots.flat.pymunk_engine import PymunkEngine
 from edgevox.robots.sim_loop import SimComponent
 from edgevox.robots.world.load import load_world
-from edgevox.ros2.bridge_status import ExecutorComponent, ExecutorCounts
+from edgevox.ros2.open import ExecutorComponent, ExecutorCounts
 from edgevox.voice.status import AudioComponent, SttComponent, TtsComponent
 
 GIB = 1024 * MIB
@@ -316,6 +324,14 @@ def test_a_disk_is_full_by_what_is_left_and_a_small_one_by_which_part(free, size
     said = disk_status([DiskSpace(Path("/data"), 1, free, size, writable=True)])
     assert said.level is level
     assert said.values == {"/data free_mib": free // MIB}
+
+
+def test_a_folder_that_is_needed_and_cannot_be_written_is_a_warning(tmp_path):
+    assert unwritable([tmp_path / "made later"]) == []
+    # Root may write anywhere, but nobody makes a folder below a device.
+    assert unwritable([Path("/proc/self/places")]) == [Path("/proc/self/places")]
+    said = DiskComponent(list, lambda: [Path("/proc/self/places")]).status()
+    assert (said.level, said.message) == (Level.WARN, "/proc/self/places: not writable")
 
 
 def test_each_file_system_that_is_written_to_counts_once(tmp_path):

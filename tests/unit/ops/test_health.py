@@ -251,6 +251,52 @@ def test_the_command_tells_and_its_exit_code_does(health, server, monkeypatch, c
     assert command.main(["--ready"]) == command.WELL
 
 
+def checked(server, monkeypatch, note, killed) -> int:
+    """One health check of a container, whose agent has the number 7."""
+    monkeypatch.setenv("EDGEVOX_HEALTH_PORT", str(server.port))
+    monkeypatch.setattr(command, "FROZEN_NOTE", note)
+    monkeypatch.setattr(command, "agents_of_init", lambda: [7])
+    monkeypatch.setattr(command.os, "kill", lambda *told: killed.append(told))
+    return command.main(["--ready", "--end-frozen"])
+
+
+def test_an_agent_that_was_alive_and_is_frozen_is_killed_after_some_checks(
+    health, server, monkeypatch, tmp_path
+):
+    said, killed, note = {"dead": "stuck"}, [], tmp_path / "note"
+    health.add(HealthCheck("body", lambda: said["dead"]))
+
+    def check() -> int:
+        return checked(server, monkeypatch, note, killed)
+
+    for _ in range(2 * command.FROZEN_CHECKS):  # one that starts
+        assert check() == 1
+    assert (killed, note.exists()) == ([], False)
+    said["dead"] = ""
+    assert check() == 1, "alive, and not ready yet"
+    said["dead"] = "stuck"
+    for _ in range(command.FROZEN_CHECKS - 1):
+        check()
+    said["dead"] = ""
+    check()
+    said["dead"] = "stuck"
+    for _ in range(command.FROZEN_CHECKS - 1):
+        check()
+    assert killed == []
+    check()
+    assert killed == [(7, 9)]
+    check()
+    assert killed == [(7, 9)], "the next one is new, and has not answered yet"
+
+
+def test_only_a_containers_own_agent_is_killed(tmp_path):
+    processes = {1: ("tini", 0), 7: ("edgevox-agent", 1), 8: ("bash", 1), 9: ("edgevox-agent", 8)}
+    for number, (name, parent) in processes.items():
+        (tmp_path / str(number)).mkdir()
+        (tmp_path / str(number) / "status").write_text(f"Name:\t{name}\nX:\t0\nPPid:\t{parent}\n")
+    assert list(command.agents_of_init(tmp_path)) == [7]
+
+
 def test_the_command_says_why_it_cannot_ask(capsys):
     with socket.create_server(("127.0.0.1", 0)) as taken:
         port = taken.getsockname()[1]

@@ -2,6 +2,7 @@
 
 import ast
 import re
+import sys
 from collections import defaultdict
 from functools import cache
 from pathlib import Path
@@ -10,8 +11,11 @@ from code_files import trees
 
 import edgevox
 from edgevox.core.log import Said
-from edgevox.ops.logs.event_table import log_events
 from edgevox.ops.logs.line_formatter import IDS, LAST
+
+sys.path.insert(0, str(Path(__file__).parents[3] / "scripts"))
+
+from docs.operating import log_events
 
 CODE = Path(edgevox.__file__).parent
 METHODS = {"debug", "info", "warning", "error", "exception", "critical", "log"}

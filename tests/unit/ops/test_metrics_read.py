@@ -12,14 +12,13 @@ from edgevox.agent.llm.remote import FallbackModel
 from edgevox.agent.policy import Denied, Guard
 from edgevox.agent.text.reasons import because
 from edgevox.apps import metrics
-from edgevox.apps.agent.components import list_components
+from edgevox.apps.agent.build import list_components
 from edgevox.core.bus import Bus
 from edgevox.core.cancel import CancelToken
-from edgevox.core.gauges import Gauges
+from edgevox.core.commands import Way
 from edgevox.core.motion.interlock import Interlock
 from edgevox.core.settings import check_settings
-from edgevox.core.status import Components
-from edgevox.core.ways import Way
+from edgevox.core.status import Components, Gauges
 from edgevox.ops.health import Health
 from edgevox.ops.metrics.metric_table import METRICS
 from edgevox.robots.flat.apartment import ApartmentRobot

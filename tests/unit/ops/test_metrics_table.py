@@ -18,6 +18,7 @@ BARE = {
     "edgevox_check_ok",
     "edgevox_muted",
     "edgevox_policy_broken",
+    "edgevox_recordings_upload_failed",
     "edgevox_threads",
     "edgevox_llm_server_up",
     "process_open_fds",

@@ -120,9 +120,9 @@ def dry_run(*arguments: str, **environment: str) -> list[str]:
 @pytest.mark.parametrize(
     ("arguments", "parts", "needs"),
     [
-        ("tests/unit/core/test_bus.py", "unit", ""),
+        ("tests/unit/core/test_bus.py", "unit", ".venv/done/msgs"),
         ("tests/programs", "programs", ""),
-        ("tests/unit tests/robots/test_tui.py -x", "robots unit", "test-models"),
+        ("tests/unit tests/robots/test_tui.py -x", "robots unit", ".venv/done/msgs test-models"),
         ("tests/ros2", "ros2", ".venv/done/msgs test-models"),
         (
             "--durations=20",

@@ -14,10 +14,9 @@ import edgevox
 from edgevox.apps.console_command import main as console_command
 from edgevox.apps.doctor.check import CheckAnswer, CheckVerdict
 from edgevox.apps.doctor.command import print_table
-from edgevox.apps.listen_view import ListenView
+from edgevox.apps.listen import ListenView
 from edgevox.apps.streams import show
-from edgevox.apps.terminal.view import View
-from edgevox.apps.tui.update_buffer import UpdateBuffer
+from edgevox.apps.terminal.view import UpdateBuffer, View
 from edgevox.console.sessions import Role, Sessions
 from edgevox.core.agent_events import GoalChanged, GoalRejected, GoalStatus, HandedOver, ToolCalled
 from edgevox.core.bus import Bus

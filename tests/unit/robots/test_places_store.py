@@ -90,12 +90,12 @@ def test_a_name_is_data_and_never_a_part_of_a_path(tmp_path, name):
 CRASH = """
 import os, sys
 from pathlib import Path
-from edgevox.core.files import atomic_file
+from edgevox.core.files import state_files
 from edgevox.agent.skills.choices import OneOf
 from edgevox.core.transforms import Pose2D
 from edgevox.robots.places.memory import PlaceMemory
 from edgevox.robots.places.store import PlaceStore
-atomic_file.os.replace = lambda *_: os._exit(9)
+state_files.os.replace = lambda *_: os._exit(9)
 one = PlaceMemory("apartment", OneOf(("kitchen",)))
 one.open(PlaceStore(Path(sys.argv[1])), "robot-apartment")
 one.remember("shelf", Pose2D(0.0, 0.0, 0.0), "map")

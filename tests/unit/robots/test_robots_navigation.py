@@ -165,7 +165,9 @@ def test_what_a_body_lacks_it_is_not_asked_for() -> None:
     assert "battery" not in by_name(StandsInKitchen())
     of_the_body = ["navigate_xy", "stop", "get_pose", "battery"]
     of_its_memory = ["remember_place", "forget_place", "list_places"]
-    assert [s.name for s in bare.skills] == ["navigate_to", *of_the_body, *of_its_memory]
+    by_an_amount = ["drive_forward", "drive_backward", "turn_left", "turn_right", "turn_around"]
+    own = ["navigate_to", *of_the_body, *of_its_memory, *by_an_amount]
+    assert [s.name for s in bare.skills] == own
     assert not bare.skills[0].callable_now
 
 

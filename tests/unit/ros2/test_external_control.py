@@ -10,9 +10,8 @@ from edgevox.core.cancel import Cancelled
 from edgevox.core.transforms import Pose2D
 from edgevox.robots.capabilities import Twist2D
 from edgevox.robots.command_mux import STILL
-from edgevox.ros2.external.control_loop import ControlLoop
 from edgevox.ros2.external.motion import PoseEstimate, Target
-from edgevox.ros2.external.navigation import ExternalNavigation
+from edgevox.ros2.external.navigation import ControlLoop, ExternalNavigation
 from edgevox.ros2.external.settings import Patience
 
 HERE = PoseEstimate(Pose2D(0.0, 0.0, 0.0), STILL, "odom", 0)

@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 
 from edgevox.core.errors import InvalidValue
 from edgevox.core.status import Level
-from edgevox.ros2.bridge_status import Sharing
-from edgevox.ros2.presence.sharing import (
+from edgevox.ros2.open import Sharing
+from edgevox.ros2.presence import (
     GONE_BEATS,
     MOST_OTHERS,
     SETTLED_BEATS,

@@ -17,11 +17,16 @@ from waiting import wait_until
 
 from edgevox.core.errors import InvalidValue
 from edgevox.ros2.contract import PUBLISHED, SUBSCRIBED
-from edgevox.ros2.recorder.definitions import DefinitionMissing, definition, type_hash
-from edgevox.ros2.recorder.disk import WriteQueue, Writing
-from edgevox.ros2.recorder.mcap import Bag, McapFile, RecordedMessage
+from edgevox.ros2.recorder.disk import Disk, WriteQueue, Writing
+from edgevox.ros2.recorder.mcap import (
+    Bag,
+    DefinitionMissing,
+    McapFile,
+    RecordedMessage,
+    definition,
+    type_hash,
+)
 from edgevox.ros2.recorder.recorded_topics import choose_topics
-from edgevox.ros2.recorder.room import Disk
 from edgevox.ros2.standard_topics import AUDIO, INTEROP
 
 (TEXT,) = choose_topics("/robot1", ["response"])

@@ -11,10 +11,9 @@ from waiting import wait_until
 
 from edgevox.apps.recorder import parse_arguments
 from edgevox.core.errors import InvalidValue
-from edgevox.ros2.recorder.disk import WriteQueue, Writing
+from edgevox.ros2.recorder.disk import COUNT_S, Disk, Room, WriteQueue, Writing
 from edgevox.ros2.recorder.mcap import Bag, RecordedMessage
 from edgevox.ros2.recorder.recorded_topics import choose_topics
-from edgevox.ros2.recorder.room import COUNT_S, Disk, Room
 from edgevox.ros2.recordings import WhenFull, held, used_bytes
 
 (TEXT,) = choose_topics("/robot1", ["response"])

@@ -9,7 +9,7 @@ from std_msgs.msg import Float64, String, UInt8MultiArray
 from support.clock import HeldClock
 
 from edgevox.core.cancel import Cancelled, CancelToken
-from edgevox.ros2.clients.waiting import Newest, TookTooLong
+from edgevox.ros2.clients import Newest, TookTooLong
 from edgevox.ros2.robot_file.live import value_of
 from edgevox.ros2.robot_file.messages import LONGEST_SHOWN, LONGEST_TEXT, brief
 from edgevox.ros2.robot_file.steps import ResultValue

@@ -4,7 +4,7 @@ import pytest
 
 from edgevox.agent.phrases.load import phrasebook
 from edgevox.core.languages import LANGUAGES
-from edgevox.ros2.clients.clients import interface_reason
+from edgevox.ros2.clients import interface_reason
 
 CODES = (
     "not_there",

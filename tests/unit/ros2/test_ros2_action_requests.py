@@ -8,8 +8,8 @@ from hypothesis import strategies as st
 
 from edgevox.core.agent_events import GoalChanged, GoalStatus
 from edgevox.core.errors import InvalidValue
-from edgevox.ros2.messages import write
-from edgevox.ros2.skill_requests import MAX_ARGUMENTS_BYTES, mirror, read_arguments
+from edgevox.ros2.contract import write
+from edgevox.ros2.skill_action import MAX_ARGUMENTS_BYTES, mirror, read_arguments
 
 JSON = st.recursive(
     st.none()

@@ -23,7 +23,7 @@ from edgevox.core.events import Answered, Cause, State, TurnMeasured
 from edgevox.core.settings import Settings
 from edgevox.ros2 import contract, split_ros_args, standard_topics
 
-OWN_QOS = {"qos.py", "rosout.py", "probe.py", "skill_action.py"}
+OWN_QOS = {"messages.py", "logs.py", "doctor.py", "skill_action.py"}
 """Where rclpy's class is made: of the contract's rows, and for what is no topic of the contract."""
 PROMISED = yaml.safe_load(
     (Path(__file__).parents[2] / "ros2" / "contract.yaml").read_text(encoding="utf-8")

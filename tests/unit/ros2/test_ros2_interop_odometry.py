@@ -16,8 +16,8 @@ from edgevox.core.transforms import (
     distance,
 )
 from edgevox.robots.capabilities import CameraSpec
-from edgevox.ros2.interop.camera import camera_info
 from edgevox.ros2.interop.frames import Frames, Odometer
+from edgevox.ros2.interop.outputs import camera_info
 
 
 @given(st.lists(ON_FLOOR, min_size=1, max_size=30))

@@ -8,8 +8,7 @@ from rclpy.serialization import deserialize_message, serialize_message
 
 from edgevox.core.transforms import Pose3D
 from edgevox.ros2.messages import header, pose_msg, transform_msg
-from edgevox.ros2.stamped_publisher import SerializedMessage, StampedPublisher
-from edgevox.ros2.stamps import to_msg
+from edgevox.ros2.stamps import SerializedMessage, StampedPublisher, to_msg
 from tf2_msgs.msg import TFMessage
 
 HERE, THERE = Pose3D(1.0, -2.0, qz=0.6, qw=0.8), Pose3D(3.0, 4.0)

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 import yaml
 
-from edgevox.security.rights import Rights, is_node
+from edgevox.security.documents import Rights, is_node
 from edgevox.security.roles import EnclaveRole, Graph, rights_of
 
 ROOT = Path(__file__).parents[3]

@@ -8,6 +8,8 @@ from edgevox.voice.audio import RATE_HZ
 from edgevox.voice.echo import filter as adaptive_filter
 from edgevox.voice.echo.filter import BLOCK_SAMPLES, MOST_PPM, AdaptiveFilter, ClockDrift
 
+pytestmark = pytest.mark.long
+
 SECONDS = 14.0
 LATER = slice(int(8 * RATE_HZ) // BLOCK_SAMPLES * BLOCK_SAMPLES, None)
 

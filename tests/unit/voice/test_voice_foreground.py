@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from edgevox.voice.audio import FRAME_S, FRAME_SAMPLES
-from edgevox.voice.foreground import ForegroundVad
+from edgevox.voice.vad import ForegroundVad
 
 
 class Says:

@@ -5,12 +5,11 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from edgevox.apps.listen_view import ListenView, as_line
+from edgevox.apps.listen import ListenView, as_line
 from edgevox.core.commands import Heard, Transcribing
 from edgevox.core.events import WakeWordHeard
 from edgevox.voice.audio import FRAME_S, FRAME_SAMPLES
-from edgevox.voice.hearing_meter import HearingMeter
-from edgevox.voice.noise_floor import SILENT_DB, WINDOW_S
+from edgevox.voice.noise_floor import SILENT_DB, WINDOW_S, HearingMeter
 
 
 class Ears:

@@ -22,8 +22,8 @@ from edgevox.voice.audio import Chunk
 from edgevox.voice.devices import DeviceMissing
 from edgevox.voice.sinks import PacedSink, open_sink
 from edgevox.voice.sinks.card import SoundCardSink
+from edgevox.voice.sinks.open_sink import WavFile
 from edgevox.voice.sinks.paced import Silence
-from edgevox.voice.sinks.wav_file import UnpacedWav, WavFile
 
 QUIET = CancelToken()
 
@@ -110,28 +110,12 @@ def test_a_paced_file_is_what_a_person_in_the_room_would_have_heard(
     assert not sound[int(3.05 * rate_hz) : int(5.95 * rate_hz)].any()
 
 
-def test_an_unpaced_file_holds_everything_and_takes_no_time(clock: HeldClock, tmp_path: Path):
-    path = tmp_path / "out.wav"
-    sink = UnpacedWav(WavFile(path, clock), clock)
-    began_s = clock.now()
-    for rate_hz in (22_050, 24_000):
-        sink.play(Chunk(np.full(rate_hz, 8000, np.int16), rate_hz), QUIET)
-    sink.drain(QUIET)
-    assert sink.stop() == 0.0
-    sink.close()
-    assert clock.now() == began_s
-    assert len(read(path)[1]) == pytest.approx(48_000, abs=100)
-
-
 KILLED = """
 import os, signal, sys
 import numpy as np
 from pathlib import Path
-from edgevox.core.cancel import CancelToken
-from edgevox.voice.audio import Chunk
-from edgevox.voice.sinks.wav_file import UnpacedWav, WavFile
-sink = UnpacedWav(WavFile(Path(sys.argv[1])))
-sink.play(Chunk(np.full(24000, 8000, np.int16), 24000), CancelToken())
+from edgevox.voice.sinks.open_sink import WavFile
+WavFile(Path(sys.argv[1])).write(np.full(24000, 8000, np.int16), 0.0)
 os.kill(os.getpid(), signal.SIGKILL)
 """
 
@@ -264,4 +248,3 @@ def test_the_setting_chooses_the_sink(tmp_path: Path):
         sink = open_sink(spec, relay=Recorder())
         assert isinstance(sink, kind)
         sink.close()
-    assert isinstance(open_sink(str(path), paced=False), UnpacedWav)

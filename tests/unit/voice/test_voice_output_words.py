@@ -5,8 +5,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from edgevox.core.languages import LANGUAGES
+from edgevox.voice.sentence_synthesiser import normalise_for_speech, split_phrases
 from edgevox.voice.spoken_answer import SpokenLog, cut_text
-from edgevox.voice.spoken_text import normalise_for_speech, split_phrases
 
 WORDS = st.lists(st.text("abcdeéß'.,", min_size=1, max_size=12), min_size=1, max_size=30)
 SHARES = st.floats(0.0, 1.0)

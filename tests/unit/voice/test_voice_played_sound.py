@@ -9,8 +9,7 @@ from edgevox.voice.audio import FRAME_S, FRAME_SAMPLES, RATE_HZ, Chunk
 from edgevox.voice.echo.canceller import CapturePosition
 from edgevox.voice.echo.played import PlayedSound
 from edgevox.voice.sinks.card import CardQueue
-from edgevox.voice.sinks.paced import PacedSink
-from edgevox.voice.sinks.relay import Relay
+from edgevox.voice.sinks.paced import PacedSink, Relay
 
 COUNT = 1600
 

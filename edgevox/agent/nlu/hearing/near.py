@@ -17,7 +17,7 @@ from edgevox.agent.phrases.phrasebook import Phrasebook
 from edgevox.agent.skills import STOP, Call, Skill, SkillSet
 from edgevox.agent.text.spelling import key
 from edgevox.core.commands import Hypothesis
-from edgevox.core.stop_words import STOP_WORDS
+from edgevox.core.languages import STOP_WORDS
 
 _NEAR = 0.35
 """Share of the sounds that may differ from a stop word: it accepts "free is a" for "freeze" but not

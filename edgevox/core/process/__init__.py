@@ -1,1 +1,0 @@
-"""The process itself: its limits, its output, the extras that are installed."""

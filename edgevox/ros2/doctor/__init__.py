@@ -1,1 +1,0 @@
-"""Checks of `edgevox doctor` and of the start-up, each run in its own process."""
