@@ -4,6 +4,7 @@ from browser_rig import DESK, PATIENCE_MS, page_words, take_the_turn
 from playwright.sync_api import Playwright, expect
 from sound_rig import launch
 from stand_in import CODE, Robot
+from test_page_drives import until
 
 
 def test_without_https_it_says_that_neither_microphone_nor_voice_comes(
@@ -24,5 +25,5 @@ def test_without_https_it_says_that_neither_microphone_nor_voice_comes(
     page.locator(".write input").fill("go to the kitchen")
     page.locator(".write input").press("Enter")
     expect(page.locator(".write input")).to_have_value("")
-    assert robot.commands("text")
+    until(page, lambda: robot.commands("text"))
     browser.close()

@@ -4,7 +4,7 @@ import pytest
 from browser_rig import PHONE, Opens, page_words
 from playwright.sync_api import Page, expect
 from stand_in import HELLO, Robot
-from test_page_drives import quiet
+from test_page_drives import quiet, until
 
 
 def stopped(page: Page) -> None:
@@ -66,7 +66,7 @@ def test_the_space_bar_is_a_space_where_somebody_types(opens: Opens, robot: Robo
     expect(words).to_have_value("go to")
     page.keyboard.press("Enter")
     expect(words).to_have_value("")
-    assert [one["text"] for one in robot.commands("text")] == ["go to"]
+    until(page, lambda: [one["text"] for one in robot.commands("text")] == ["go to"])
     assert not robot.commands("stop")
 
 

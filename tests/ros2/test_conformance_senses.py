@@ -102,7 +102,8 @@ def test_what_was_asked_aloud_is_transcribed_and_answered(heard):
     answer = heard["bot_sentence"].messages[0].data
 
     assert spoken.casefold().strip(" .?!") == "what do you see"
-    assert answer.startswith("I see the red cube")
+    assert answer.startswith("I see")
+    assert "the red cube" in answer
 
 
 def test_the_times_of_a_spoken_turn_are_all_there(heard):
