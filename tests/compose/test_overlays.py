@@ -5,6 +5,7 @@ import json
 import os
 import re
 import subprocess
+from pathlib import Path, PurePosixPath
 
 import pytest
 import yaml
@@ -225,5 +226,9 @@ def test_what_an_overlay_sets_the_entrypoint_takes(overlay, monkeypatch, tmp_pat
         mounted = {one["target"] for one in service.get("volumes") or ()}
         given = {k: v for k, v in (service.get("environment") or {}).items() if v is not None}
         given |= {k: str(tmp_path) for k, v in given.items() if v in mounted}
+        for name, value in given.items():
+            if str(PurePosixPath(value).parent) in mounted:  # a file in a mounted folder
+                given[name] = str(tmp_path / PurePosixPath(value).name)
+                Path(given[name]).touch()
         prepared(given, pytest.fail)
         assert {name for name in given if name.startswith("EDGEVOX_")} <= set(ENVIRONMENT)
