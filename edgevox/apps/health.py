@@ -28,12 +28,13 @@ LOOPBACK = {4: "127.0.0.1", 6: "::1"}
 TIMEOUT_S = 3.0
 FROZEN_TIMEOUT_S = 1.2
 """With `--end-frozen` a health check asks twice, and must have ended before its engine ends it."""
-FROZEN_CHECKS = 4
-"""So many checks in a row that `/live` did not pass mean that the agent is frozen."""
+FROZEN_S = 15.0
+"""An agent whose `/live` does not pass for this long is frozen."""
 AGENT = re.compile(r"^Name:\t(edgevox|edgevox-agent)$.*^PPid:\t1$", re.MULTILINE | re.DOTALL)
 """What /proc tells of the program of a container, and not of one that somebody's shell started."""
 FROZEN_NOTE = Path(tempfile.gettempdir(), "edgevox-health-frozen")
-"""The number of such checks until now; not there before `/live` has passed once."""
+"""Since when it does not pass, by the machine's monotonic clock; empty while it does, and not there
+before it has passed once."""
 DRAIN = "/drain"
 LOOK_S = 0.2
 """Seconds between two looks at a drain."""
@@ -59,7 +60,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     else:
         show(one_line(_readable(text)))
     if arguments.end_frozen:
-        _note_frozen(status == http.client.OK or _lives(host, arguments.port))
+        answered = bool(status) and (status == http.client.OK or _lives(host, arguments.port))
+        note_frozen(answered, time.monotonic())
     return WELL if status == http.client.OK else UNWELL
 
 
@@ -70,19 +72,19 @@ def _lives(host: str, port: int) -> bool:
         return False
 
 
-def _note_frozen(lives: bool) -> None:
-    """Count the checks of an agent that is frozen; after the last, kill it."""
+def note_frozen(lives: bool, now_s: float) -> None:
+    """Note since when the agent is frozen; kill it if that is too long ago."""
     try:
-        before = int(FROZEN_NOTE.read_text("utf-8"))
-    except (OSError, ValueError):
-        before = None
-    if lives and before != 0:
-        FROZEN_NOTE.write_text("0", "utf-8")
-    elif not lives and before is not None and before + 1 < FROZEN_CHECKS:
-        FROZEN_NOTE.write_text(str(before + 1), "utf-8")
-    elif not lives and before is not None:
+        since = FROZEN_NOTE.read_text("utf-8")
+    except OSError:
+        since = None
+    if lives and since != "":
+        FROZEN_NOTE.write_text("", "utf-8")
+    elif not lives and since == "":
+        FROZEN_NOTE.write_text(str(now_s), "utf-8")
+    elif not lives and since and now_s - float(since) >= FROZEN_S:
         FROZEN_NOTE.unlink()
-        show(f"edgevox-health: frozen for {FROZEN_CHECKS} checks; killing it", error=True)
+        show(f"edgevox-health: frozen for {FROZEN_S:g} s; killing it", error=True)
         for agent in agents_of_init():
             os.kill(agent, signal.SIGKILL)
 
@@ -125,7 +127,7 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument(
         "--end-frozen",
         action="store_true",
-        help=f"in a container: kill an agent that {FROZEN_CHECKS} checks in a row found frozen",
+        help=f"in a container: kill an agent that was alive, and is frozen for {FROZEN_S:g} s",
     )
     parser.add_argument(
         "--port",

@@ -64,6 +64,8 @@ def test_nothing_can_be_written_but_in_memory(robot: Stack, place):
 @pytest.mark.parametrize("name", ["KILL", "STOP"], ids=["killed", "frozen"])
 def test_a_robot_that_is_killed_or_frozen_comes_back_by_itself(robot: Stack, name):
     before = robot.inspect(SERVICE)
+    seen = ("exec", "-T", SERVICE, "test", "-e", "/tmp/edgevox-health-frozen")  # noqa: S108
+    wait_until(lambda: robot.call(*seen).returncode == 0, "a health check that passed")
     robot.call("exec", "-T", SERVICE, "bash", "-c", SIGNAL_AGENT, name)
 
     def is_back() -> bool:

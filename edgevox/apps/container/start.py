@@ -3,9 +3,11 @@
 import os
 import sys
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 
 from edgevox.apps.container.environment import NO_ROBOT, prepared
 from edgevox.apps.container.peers import with_addresses, with_server_addresses
+from edgevox.apps.health import FROZEN_NOTE
 from edgevox.apps.streams import show, with_streams
 from edgevox.core.errors import InvalidValue
 from edgevox.core.process import usable_cpus
@@ -22,6 +24,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Never returns where all is well; else the exit code, its reason on stderr."""
     given = list(sys.argv[1:] if arguments is None else arguments)
     try:
+        with suppress(OSError):
+            FROZEN_NOTE.unlink()  # of the agent before this one
         environment = with_addresses(prepared(os.environ, _say), _say)
         environment = with_server_addresses(environment, _say)
         command = command_of(given, environment)

@@ -251,42 +251,41 @@ def test_the_command_tells_and_its_exit_code_does(health, server, monkeypatch, c
     assert command.main(["--ready"]) == command.WELL
 
 
-def checked(server, monkeypatch, note, killed) -> int:
-    """One health check of a container, whose agent has the number 7."""
-    monkeypatch.setenv("EDGEVOX_HEALTH_PORT", str(server.port))
-    monkeypatch.setattr(command, "FROZEN_NOTE", note)
+def test_an_agent_that_was_alive_and_is_frozen_is_killed_after_a_while(monkeypatch, tmp_path):
+    killed = []
+    monkeypatch.setattr(command, "FROZEN_NOTE", tmp_path / "note")
     monkeypatch.setattr(command, "agents_of_init", lambda: [7])
     monkeypatch.setattr(command.os, "kill", lambda *told: killed.append(told))
-    return command.main(["--ready", "--end-frozen"])
+    late_s = command.FROZEN_S
 
-
-def test_an_agent_that_was_alive_and_is_frozen_is_killed_after_some_checks(
-    health, server, monkeypatch, tmp_path
-):
-    said, killed, note = {"dead": "stuck"}, [], tmp_path / "note"
-    health.add(HealthCheck("body", lambda: said["dead"]))
-
-    def check() -> int:
-        return checked(server, monkeypatch, note, killed)
-
-    for _ in range(2 * command.FROZEN_CHECKS):  # one that starts
-        assert check() == 1
-    assert (killed, note.exists()) == ([], False)
-    said["dead"] = ""
-    assert check() == 1, "alive, and not ready yet"
-    said["dead"] = "stuck"
-    for _ in range(command.FROZEN_CHECKS - 1):
-        check()
-    said["dead"] = ""
-    check()
-    said["dead"] = "stuck"
-    for _ in range(command.FROZEN_CHECKS - 1):
-        check()
+    for now_s in (0.0, 2 * late_s):  # one that starts
+        command.note_frozen(False, now_s)
+    command.note_frozen(True, 100.0)
+    command.note_frozen(False, 101.0)
+    command.note_frozen(False, 101.0 + late_s - 0.1)
+    command.note_frozen(True, 101.0 + late_s)
+    command.note_frozen(False, 200.0)
+    command.note_frozen(False, 200.0 + late_s - 0.1)
     assert killed == []
-    check()
+    command.note_frozen(False, 200.0 + late_s)
     assert killed == [(7, 9)]
-    check()
+    command.note_frozen(False, 300.0 + late_s)
     assert killed == [(7, 9)], "the next one is new, and has not answered yet"
+
+
+def test_a_health_check_notes_whether_the_agent_lives(health, server, monkeypatch, tmp_path):
+    note, said = tmp_path / "note", {"dead": "stuck"}
+    health.add(HealthCheck("body", lambda: said["dead"]))
+    monkeypatch.setenv("EDGEVOX_HEALTH_PORT", str(server.port))
+    monkeypatch.setattr(command, "FROZEN_NOTE", note)
+    assert command.main(["--ready", "--end-frozen"]) == 1
+    assert not note.exists()
+    said["dead"] = ""
+    assert command.main(["--ready", "--end-frozen"]) == 1, "alive, and not ready yet"
+    assert note.read_text() == ""
+    said["dead"] = "stuck"
+    command.main(["--ready", "--end-frozen"])
+    assert float(note.read_text()) > 0
 
 
 def test_only_a_containers_own_agent_is_killed(tmp_path):
