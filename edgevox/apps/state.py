@@ -21,9 +21,11 @@ from edgevox.apps.folders import console_folder, places_folder, recordings_folde
 from edgevox.apps.streams import show, with_streams
 from edgevox.core.errors import EdgeVoxError
 from edgevox.core.files.state_files import PRIVATE, write_atomically
-from edgevox.core.settings import Settings, load_settings
+from edgevox.core.settings import load_settings
 
 OK, FAILED = 0, 1
+FOLDERS = {"places": places_folder, "console": console_folder}
+"""The folders whose files are the robot's state, by their names in an archive."""
 ABOUT, FORMAT = "edgevox-state.json", 1
 MOST_BYTES, MOST_FILES = 64 * 2**20, 10_000
 STREAM = "-"
@@ -35,7 +37,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     asked = _parser().parse_args(argv)
     try:
         settings = load_settings({}, asked.config)
-        folders = state_folders(settings)
+        folders = {name: folder_of(settings) for name, folder_of in FOLDERS.items()}
         if asked.command == "export":
             _export(written(folders, recordings_folder(settings)), asked.file)
         else:
@@ -44,16 +46,6 @@ def main(argv: Sequence[str] | None = None) -> int:
         show(f"edgevox state: {error}", error=True)
         return FAILED
     return OK
-
-
-def state_folders(
-    settings: Settings, environment: Mapping[str, str] = os.environ
-) -> dict[str, Path]:
-    """The folders whose files are the robot's state, by their names in an archive."""
-    return {
-        "places": places_folder(settings, environment),
-        "console": console_folder(settings, environment),
-    }
 
 
 def written(folders: Mapping[str, Path], without: Path) -> bytes:
@@ -89,8 +81,8 @@ def read(archive: BinaryIO) -> dict[str, str]:
             except UnicodeDecodeError:
                 raise EdgeVoxError(f"{member.name!r}: expected text in UTF-8") from None
     _check_about(files.pop(ABOUT, ""))
-    if odd := [name for name in files if name.split("/", 1)[0] not in ("places", "console")]:
-        raise EdgeVoxError(f"{odd[0]!r}: expected a file in places/ or console/")
+    if odd := [name for name in files if name.partition("/")[0] not in FOLDERS]:
+        raise EdgeVoxError(f"{odd[0]!r}: expected a file in {'/ or '.join(FOLDERS)}/")
     return files
 
 
@@ -138,9 +130,8 @@ def _import(folders: Mapping[str, Path], file: str, *, replace: bool) -> None:
     else:
         with Path(file).open("rb") as archive:
             files = read(archive)
-    targets = {
-        folders[name.split("/", 1)[0]] / name.split("/", 1)[1]: text for name, text in files.items()
-    }
+    parts = ((*name.partition("/"), text) for name, text in files.items())
+    targets = {folders[part] / name: text for part, _, name, text in parts}
     if there := [target for target in targets if target.exists() and not replace]:
         raise EdgeVoxError(f"{there[0]}: is there already; --replace takes the archive's instead")
     for target, text in targets.items():

@@ -18,6 +18,10 @@ class Progress:
     """The rest, in `unit`, if that is known."""
     unit: str = ""
 
+    def as_values(self) -> dict[str, float | str]:
+        """The progress, as a skill reports it."""
+        return {"progress": round(self.part, 3), "left": round(self.left, 3), "unit": self.unit}
+
 
 class Motion(ABC):
     """A motion that ends exactly once: done, or with the error that is raised to its waiter.

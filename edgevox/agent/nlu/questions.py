@@ -5,7 +5,8 @@ A model knows nothing of the robot and its world. A question about them that no 
 """
 
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
+from functools import cached_property
 
 from edgevox.agent.nlu.decider import QUESTION_MARKS, Judged
 from edgevox.agent.nlu.lexicon import plain, words_of
@@ -75,7 +76,7 @@ def _holds(text: str, phrases: Iterable[str], code: str) -> bool:
 
 
 class WorldWords:
-    """The words for the things and places of some skills' arguments."""
+    """The words for the things and places of some skills' arguments, as at its first use."""
 
     def __init__(self, skills: Iterable[Skill], book: Phrasebook) -> None:
         self._skills = tuple(skills)
@@ -83,14 +84,15 @@ class WorldWords:
 
     def named_in(self, text: str) -> bool:
         """True if the text names a thing or a place of the robot's world."""
-        return _holds(text, self._forms(), self._book.code)
+        return _holds(text, self._forms, self._book.code)
 
     def claimed_in(self, sentence: str) -> bool:
         """True if the sentence names such a thing, or a number."""
         numbers = _NUMBER.findall(digits(sentence, self._book.code))
         return any(float(one) != 1 for one in numbers) or self.named_in(sentence)
 
-    def _forms(self) -> Iterator[str]:
+    @cached_property
+    def _forms(self) -> frozenset[str]:
         """All names, without those that are only a part of another: "red" of "red cube"."""
         known = {
             key(form): word
@@ -100,7 +102,7 @@ class WorldWords:
             if word != _IT
         }
         parts = {part for form in known if " " in form for part in form.split()}
-        yield from known.keys() - (parts - {key(word) for word in known.values()})
+        return frozenset(known.keys() - (parts - {key(word) for word in known.values()}))
 
 
 _NUMBER = re.compile(NUMBER)

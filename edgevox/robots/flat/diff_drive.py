@@ -377,12 +377,7 @@ class DiffDriveRobot(SteppedBySimLoop, SimulatedBody):
     def _report_relative(self, motion: FlatMotion, report: Report) -> None:
         with self._lock:
             progress, pose = motion.progress(), self._run.motion.pose
-        report(
-            progress=round(progress.part, 3),
-            left=round(progress.left, 3),
-            unit=progress.unit,
-            **where(pose),
-        )
+        report(**progress.as_values(), **where(pose))
 
     def _step(self) -> bool:
         """Do a step of the world, on the sim loop's thread. Return whether more is to come."""

@@ -1,6 +1,5 @@
 """`robot-humanoid`: a robot on two legs, in real time or as fast as it can."""
 
-import math
 import threading
 from collections.abc import Mapping
 from typing import Any
@@ -21,6 +20,7 @@ from edgevox.robots.humanoid.environment import MujocoHumanoidEnvironment
 from edgevox.robots.humanoid.motion_primitive import MotionPrimitive
 from edgevox.robots.humanoid.skills import walking_skills
 from edgevox.robots.humanoid.walk_control import WalkControl, describe
+from edgevox.robots.relative_skills import where
 from edgevox.robots.sim_loop import BROKE, SimLoop, SimulatedBody, SteppedBySimLoop
 
 FALLEN = because("fallen")
@@ -219,14 +219,7 @@ class HumanoidRobot(SteppedBySimLoop, SimulatedBody):
     def _report(self, motion: MotionPrimitive, report: Report) -> None:
         with self._lock:
             progress, pose = motion.progress(), self._environment.pose
-        report(
-            progress=round(progress.part, 3),
-            left=round(progress.left, 3),
-            unit=progress.unit,
-            x=round(pose.x_m, 3),
-            y=round(pose.y_m, 3),
-            yaw_deg=round(math.degrees(pose.yaw_rad), 1),
-        )
+        report(**progress.as_values(), **where(pose))
 
     def _step(self) -> bool:
         """Do a period of the world, on the sim loop's thread. Return whether more is to come."""

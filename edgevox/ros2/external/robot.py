@@ -396,12 +396,7 @@ class ExternalRobot:
     def _report_relative(self, motion: ExternalMotion, report: Report) -> None:
         with self._lock:
             progress = motion.progress()
-        report(
-            progress=round(progress.part, 3),
-            left=round(progress.left, 3),
-            unit=progress.unit,
-            **self._at(),
-        )
+        report(**progress.as_values(), **self._at())
 
     def _at(self) -> dict[str, float]:
         """Where it is, for a report; empty while that is unknown."""
