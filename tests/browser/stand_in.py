@@ -166,7 +166,7 @@ class Robot:
         self.silent = False
         self._files = PageFiles()
         self.breaks: list[str] = []
-        """What of the page does not come, once each."""
+        """What of the page does not come while it is loaded for the first time."""
         self.loads = 0
         self.pictures: Iterator[bytes] = iter(())
         """What each asking for a picture is answered with, as long as there are any."""
@@ -232,10 +232,8 @@ class Robot:
     @web.middleware
     async def _break_off(self, request: web.Request, handler: Any) -> web.StreamResponse:
         self.loads += request.path == "/"
-        for part in self.breaks:
-            if request.path.endswith(part):
-                self.breaks.remove(part)
-                raise web.HTTPServiceUnavailable
+        if self.loads == 1 and request.path.endswith(tuple(self.breaks)):
+            raise web.HTTPServiceUnavailable
         return await handler(request)
 
     async def _page(self, request: web.Request) -> web.Response:
