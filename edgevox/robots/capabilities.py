@@ -313,6 +313,15 @@ class MeasuresWays(Protocol):
 
 
 @runtime_checkable
+class LacksSkills(Protocol):
+    """Is described by a file, some of whose skills may be off."""
+
+    @property
+    def skills_off(self) -> Mapping[str, str]:
+        """The skills that it cannot do, each with the reason."""
+
+
+@runtime_checkable
 class TellsFacts(Protocol):
     """Answers questions about itself and its world that only a body of its kind can answer."""
 

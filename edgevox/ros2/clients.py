@@ -341,6 +341,14 @@ FEEDBACK_DEPTH = 10
 """Feedback messages that may wait for the skill; beyond that, the oldest is lost."""
 
 
+class GaveUp(SkillFailed):
+    """An action ended without success, with this result."""
+
+    def __init__(self, reason: Reason, result: Any) -> None:
+        self.result = result
+        super().__init__(reason)
+
+
 class ActionRunner(InterfaceClient):
     """An action's client."""
 
@@ -361,7 +369,8 @@ class ActionRunner(InterfaceClient):
         `give_up` is called when an accepted goal was cancelled and may still be running.
 
         Raises `SkillFailed` with the reason, `Cancelled`, or the error of `hear`. In each of these
-        cases the action has been cancelled, and has ended if it did so within `CANCEL_S`.
+        cases the action has been cancelled, and has ended if it did so within `CANCEL_S`. `GaveUp`
+        has the result of an action that ended without success.
         """
         self.until_there(self._client.server_is_ready, token, timeout_s, "not_there")
         until_s = self._clock.now() + timeout_s
@@ -383,7 +392,7 @@ class ActionRunner(InterfaceClient):
                 raise self.failed("no_answer") from None
             raise
         if ended.result().status != GoalStatus.STATUS_SUCCEEDED:
-            raise self.failed("gave_up")
+            raise GaveUp(self.failed("gave_up").reason, ended.result().result)
         return ended.result().result
 
     def _follow(

@@ -26,7 +26,8 @@ from edgevox.robots.capabilities import (
 )
 from edgevox.ros2.external import EXTERNAL
 from edgevox.ros2.external.settings import SteeringLimits
-from edgevox.ros2.robot_file.format import MOST_SKILLS, RobotFile, load_robot_file
+from edgevox.ros2.robot_file.format import MOST_SKILLS, RobotFile
+from edgevox.ros2.robot_file.load import load_robot_file
 from edgevox.ros2.robot_file.messages import Filling
 from edgevox.ros2.robot_file.skills import DescribedSkill
 from edgevox.ros2.standard_topics import DRIVEN

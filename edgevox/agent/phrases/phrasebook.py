@@ -26,10 +26,12 @@ from edgevox.agent.text.words import (
     in_brackets,
     in_english,
     spoken_name,
+    whole_number,
     word_of,
     worded,
 )
 from edgevox.core.files.json_reader import is_number
+from edgevox.core.files.yaml_file import value_key
 from edgevox.core.reason import Named, Reason
 
 _RULE = re.compile(r"<(\w+)>")
@@ -390,7 +392,8 @@ class Phrasebook:
         return argument if argument in self.arguments else self.arguments.get(_WORD, "")
 
     def _because(self, sentence: str, reason: Reason) -> str:
-        return self.say(sentence, reason=bare(self.reason(reason)))
+        said = self.reason(reason)
+        return said if reason.is_sentence else self.say(sentence, reason=bare(said))
 
     def _about(self, name: str, value: Any, said: str) -> Word | str:
         if name == "argument":
@@ -484,8 +487,8 @@ class Phrasebook:
             there = [(name, one["on"]) for name, one in value.items() if "on" in one]
             return self._join([self._thing_at(name, place) for name, place in there]) or None
         if isinstance(value, Sequence):
-            return self.listing(value) or None
-        return value
+            return self.listing(list(map(value_key, value))) or None
+        return whole_number(value)
 
     def _thing_at(self, name: str, place: str) -> str:
         return self.say("thing_at", thing=self.word(name), place=self.word(place))
@@ -494,10 +497,17 @@ class Phrasebook:
         """A skill's own English sentence, with what its words are called in English."""
         book = self.fallback or self
         told = {
-            name: book.words.get(key(value), in_english(value)) if isinstance(value, str) else value
-            for name, value in worded(values, book.said_for(one)).items()
+            name: book.english(value) for name, value in worded(values, book.said_for(one)).items()
         }
         return english.format(**told)
+
+    def english(self, value: Any) -> Any:
+        """A value as a skill's own English sentences use it."""
+        if isinstance(value, str):
+            return self.words.get(key(value), in_english(value))
+        if isinstance(value, list | tuple):
+            return self.listing(list(map(value_key, value)))
+        return whole_number(value)
 
     def _smooth(self, text: str) -> str:
         for pattern, replacement in self.smoothing:

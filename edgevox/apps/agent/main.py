@@ -40,7 +40,7 @@ from edgevox.apps.streams import show, with_streams
 from edgevox.core.bus import Bus
 from edgevox.core.files.text import one_line
 from edgevox.core.settings import Settings, load_settings
-from edgevox.robots.capabilities import Body
+from edgevox.robots.capabilities import Body, LacksSkills
 from edgevox.ros2 import split_ros_args
 
 
@@ -128,10 +128,11 @@ SHORT = 60
 
 
 def check_robot(body: Body, settings: Settings) -> bool:
-    """Print the skills of a body that is not started, each with what it can be told; True.
+    """Print the skills of a body that is not started, each with what it can be told.
 
-    Also what its policy names and it has not. Raises `InvalidValue` for a name that people need for
-    something else, and for a policy that cannot be used.
+    Also what its policy names and it has not, and the skills that are off. True if none is off.
+    Raises `InvalidValue` for a name that people need for something else, and for a policy that
+    cannot be used.
     """
     guard = build_guard(settings, Bus(), body)
     check_skills(body.skills)
@@ -146,7 +147,10 @@ def check_robot(body: Body, settings: Settings) -> bool:
         show(one_line(f"  {one.name}: {one.description} {said[0] if said else ''}".rstrip()))
     for text in strange_names(guard, skills):
         show(one_line(f"the policy names what the robot has not: {text}"))
-    return True
+    off = body.skills_off if isinstance(body, LacksSkills) else {}
+    for name, why in off.items():
+        show(one_line(f"{name} is off: {why}"), error=True)
+    return not off
 
 
 IN_THE_HAND = 0.0

@@ -11,7 +11,7 @@ from pydantic import BaseModel, ValidationError
 
 from edgevox.core.errors import InvalidValue
 from edgevox.core.files.user_file import LARGEST_TEXT_BYTES
-from edgevox.core.files.validation import Place, dotted, explain
+from edgevox.core.files.validation import Place, dotted, explain_all, names_a_kind, told
 
 M = TypeVar("M", bound=BaseModel)
 
@@ -161,7 +161,7 @@ class YamlFile:
 
     def explain(self, error: ValidationError, place: Place) -> InvalidValue:
         """The error to raise for a validation error in this place."""
-        return explain(error, lambda inner: self.field((*place, *inner)), _EXPECTED)
+        return told(explain_all(error, lambda inner: self.field((*place, *inner)), _EXPECTED))
 
     def wrong(self, place: Place, value: object, expected: str) -> InvalidValue:
         """The error to raise for a value at this place that no model can judge alone."""
@@ -176,7 +176,9 @@ class YamlFile:
         """The place without pydantic's additions: tags, marks of keys, indices of non-lists."""
         data, before = self._whole, None
         for part in place:
-            tag = part in self._tags and isinstance(before, int)
+            tag = (part in self._tags and isinstance(before, int)) or (
+                names_a_kind(part) and not (isinstance(data, Mapping) and part in data)
+            )
             index = isinstance(part, int) and isinstance(data, Mapping) and part not in data
             before = part
             if tag or index or part == "[key]":

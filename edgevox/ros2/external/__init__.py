@@ -18,14 +18,11 @@ _OF_DRIVES = frozenset({"locations", "max_angular", "max_linear"})
 
 def _build(settings: Settings, _speed: float | None) -> Body:
     from edgevox.ros2.external.settings import ExternalSettings
-    from edgevox.ros2.robot_file.format import NO_FILE, load_robot_file
+    from edgevox.ros2.robot_file.load import NO_FILE
 
-    described = load_robot_file(settings.robot_file) if settings.robot_file else NO_FILE
-    drives = described.robot.drives
-    places = described.places(settings) if drives else {}
     try:
         from edgevox.ros2.external.robot import ExternalRobot, StationaryRobot
-        from edgevox.ros2.robot_file.skills import described_skills
+        from edgevox.ros2.robot_file.skills import SkillOff, load_described
     except ModuleNotFoundError as error:
         if (error.name or "").partition(".")[0].startswith("edgevox"):
             raise
@@ -33,8 +30,16 @@ def _build(settings: Settings, _speed: float | None) -> Body:
             f"robot-external needs ROS 2, and {error.name} cannot be imported: source ROS 2's "
             f"setup.bash, or {install_extra('ros2')}"
         ) from error
+    described, planned = (
+        load_described(settings.robot_file) if settings.robot_file else (NO_FILE, [])
+    )
+    drives = described.robot.drives
+    places = described.places(settings) if drives else {}
     namespace = described.namespace(settings)
-    skills = described_skills(described.robot, described.file)
+    off = {one.name: one.reason for one in planned if isinstance(one, SkillOff)}
+    for name, reason in off.items():
+        log.warning("skill_off", skill=name, reason=reason)
+    skills = [one for one in planned if not isinstance(one, SkillOff)]
     robot: ExternalRobot | StationaryRobot
     if drives:
         how = ExternalSettings(
@@ -45,6 +50,7 @@ def _build(settings: Settings, _speed: float | None) -> Body:
         _tell_unread(settings)
         robot = StationaryRobot(namespace, skills)
     robot.about, robot.own_policy = described.robot.about, described.policy
+    robot.skills_off = off
     return robot
 
 

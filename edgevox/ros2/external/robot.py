@@ -75,6 +75,8 @@ class ExternalRobot:
     """Its name and purpose, if its robot file gives them."""
     own_policy: Path | Policy | None = None
     """The policy that its file names or holds, for where no setting names one."""
+    skills_off: Mapping[str, str] = MappingProxyType({})
+    """The skills of its file that it cannot do, each with the reason. See `LacksSkills`."""
 
     def __init__(
         self,
@@ -416,6 +418,8 @@ class StationaryRobot:
     """Its name and purpose, if its robot file gives them."""
     own_policy: Path | Policy | None = None
     """The policy that its file names or holds, for where no setting names one."""
+    skills_off: Mapping[str, str] = MappingProxyType({})
+    """The skills of its file that it cannot do, each with the reason. See `LacksSkills`."""
 
     def __init__(
         self, namespace: str, described: Sequence[DescribedSkill], clock: Clock | None = None

@@ -1,4 +1,4 @@
-"""What a robot file may hold: a robot, its limits and places, and its skills; and its loader.
+"""What a robot file may hold: a robot, its limits and places, and its skills.
 
 namespace: /cleaner
 skills:
@@ -15,22 +15,18 @@ Arguments:
     done: The {room} is clean.
 """
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any, Literal, TypeVar
 
 from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 
-from edgevox.agent.policy import Policy, PolicyFile
-from edgevox.core.files.user_file import read_text
+from edgevox.agent.policy import PolicyFile
 from edgevox.core.files.validation import wrong
-from edgevox.core.files.yaml_file import YamlFile, value_key
+from edgevox.core.files.yaml_file import value_key
 from edgevox.core.languages import LANGUAGES
-from edgevox.core.settings import Settings
 from edgevox.robots.names import LocalNames, check_told_apart
-from edgevox.ros2.external.locations import Location, LocationsFile, load_locations, read_locations
-from edgevox.ros2.external.settings import SteeringLimits
+from edgevox.ros2.external.locations import LocationsFile
 from edgevox.ros2.robot_file.steps import (
     GraphName,
     Meaning,
@@ -47,7 +43,9 @@ from edgevox.ros2.robot_file.steps import (
     wanted_instead,
 )
 
+V = TypeVar("V")
 MOST_SKILLS = 100
+MOST_SHARED = 100
 MOST_ARGUMENTS = 20
 MOST_WORDS = 500
 MOST_STEPS = 20
@@ -56,13 +54,48 @@ FOR_DRIVING = ("topics", "limits", "footprint", "places", "locations")
 """What a file says of how its robot drives, and where to."""
 
 
-class Argument(Part):
+class WordList(Part):
+    """Words to choose from.
+
+    `values` are the words, or map each word to its value in the request. `aliases` are other words
+    that people say, in any language; `names` are the names of a word by language.
+    """
+
+    values: Annotated[list[Word] | dict[Word, Meaning] | None, at_most(MOST_WORDS, "words")] = None
+    aliases: Mapping[Word, Word] = Field(default_factory=dict)
+    names: Mapping[Word, LocalNames] = Field(default_factory=dict)
+
+    @property
+    def meanings(self) -> Mapping[str, Meaning]:
+        """What each word stands for."""
+        values = self.values or []
+        return values if isinstance(values, dict) else {word: word for word in values}
+
+    @model_validator(mode="after")
+    def _knows_its_words(self) -> "WordList":
+        for said, word in self.aliases.items():
+            if word not in self.meanings:
+                raise wrong(("aliases", said), word, "one of " + ", ".join(self.meanings))
+        _told_apart(self)
+        return self
+
+
+class SharedList(WordList):
+    """A list of words that several skills take."""
+
+    @model_validator(mode="after")
+    def _has_words(self) -> "SharedList":
+        if not self.values:
+            raise wrong(("values",), self.values, "words")
+        return self
+
+
+class Argument(WordList):
     """An argument of a skill: a number, a whole number, true or false, a text, or a choice.
 
-    `values` of a choice are its words, or maps each word to its value in the request. `aliases` are
-    other words that people say, in any language; `names` are the names of a word by language.
-    EdgeVox multiplies a number by `times` for the request: 0.01 if people say percent and the robot
-    expects a fraction.
+    A choice has words of its own, or those of a `list` of the file.
+    EdgeVox multiplies a number by `times` for the request, 0.01 if people say percent and the robot
+    expects a fraction, and then adds `plus`. The result is rounded where the field is whole.
     """
 
     type: Literal["number", "integer", "boolean", "text", "choice"]
@@ -72,30 +105,21 @@ class Argument(Part):
     max: Number | None = None
     default: Scalar | None = None
     times: Number | None = None
-    values: Annotated[list[Word] | dict[Word, Meaning] | None, at_most(MOST_WORDS, "words")] = None
-    aliases: Mapping[Word, Word] = Field(default_factory=dict)
-    names: Mapping[Word, LocalNames] = Field(default_factory=dict)
-
-    @property
-    def meanings(self) -> Mapping[str, Meaning]:
-        """What each word of a choice stands for."""
-        values = self.values or []
-        return values if isinstance(values, dict) else {word: word for word in values}
+    plus: Number | None = None
+    list: Name | None = None
 
     @model_validator(mode="after")
     def _fits_its_type(self) -> "Argument":
-        if (self.type == "choice") != bool(self.values):
+        if self.list and (self.values or self.type != "choice"):
+            raise wrong(("list",), self.list, "nothing: it is for a choice without values")
+        if (self.type == "choice") != bool(self.values or self.list):
             raise wrong(("values",), self.values, "words, for a choice and for nothing else")
-        for said, word in self.aliases.items():
-            if word not in self.meanings:
-                raise wrong(("aliases", said), word, "one of " + ", ".join(self.meanings))
-        _told_apart(self)
-        for name in ("min", "max", "times"):
+        for name in ("min", "max", "times", "plus"):
             if getattr(self, name) is not None and self.type not in ("number", "integer"):
                 raise wrong((name,), getattr(self, name), "nothing: this is for numbers only")
         if self.min is not None and self.max is not None and self.min > self.max:
             raise wrong(("max",), self.max, f"no less than min, {self.min:g}")
-        if self.default is not None:
+        if self.default is not None and self.list is None:
             words = self.meanings
             expected = wanted_instead(self.default, self.type, words, self.min, self.max)
             if expected:
@@ -103,7 +127,7 @@ class Argument(Part):
         return self
 
 
-def _told_apart(one: Argument) -> None:
+def _told_apart(one: WordList) -> None:
     for word in one.names:
         if word not in one.meanings:
             raise wrong(("names", word), word, "one of " + ", ".join(one.meanings))
@@ -150,7 +174,7 @@ class Sentences(Part):
     )
 
 
-def _known_languages(by_code: dict[str, Sentences]) -> dict[str, Sentences]:
+def _known_languages(by_code: dict[str, V]) -> dict[str, V]:
     for code in by_code:
         if code not in LANGUAGES or code == "en":
             raise wrong((code,), code, "a code of " + ", ".join(sorted(set(LANGUAGES) - {"en"})))
@@ -222,6 +246,12 @@ def _only_short(entry: SkillEntry) -> None:
             raise wrong(("moves",), False, expected)
 
 
+class SharedPhrases(Part):
+    """What the sentences of all skills share in one language."""
+
+    rules: Mapping[Name, Template] = Field(default_factory=dict)
+
+
 class Limits(Part):
     """Limits for steering by EdgeVox if the robot takes no goals, in m/s, rad/s and m/s²."""
 
@@ -265,6 +295,15 @@ class RobotFile(Part):
     locations: Path | None = None
     policy: PolicyFile | None = None
     policy_file: Path | None = None
+    lists: Annotated[Mapping[Name, SharedList], at_most(MOST_SHARED, "lists")] = Field(
+        default_factory=dict
+    )
+    rules: Annotated[Mapping[Name, Template], at_most(MOST_SHARED, "rules")] = Field(
+        default_factory=dict, description="parts of sentences: <name> in a sentence"
+    )
+    languages: Annotated[dict[str, SharedPhrases], AfterValidator(_known_languages)] = Field(
+        default_factory=dict
+    )
     skills: Annotated[
         Mapping[Name, SkillEntry], Field(max_length=MOST_SKILLS), at_most(MOST_SKILLS, "skills")
     ] = Field(default_factory=dict)
@@ -288,84 +327,3 @@ class RobotFile(Part):
         """What it is called and what it is for."""
         called = f"Your name is {self.name}." if self.name else ""
         return " ".join(filter(None, (called, self.description)))
-
-
-T = TypeVar("T")
-
-CLEAR_AHEAD_M = 0.1
-"""The clearance in metres from an obstacle ahead, for a robot of known size."""
-CLEAR_ASIDE_M = 0.05
-
-
-@dataclass(frozen=True)
-class DescribedRobot:
-    """A robot file's content, and the file itself, for its line numbers."""
-
-    robot: RobotFile
-    file: YamlFile
-    folder: Path
-
-    def places(self, settings: Settings) -> Mapping[str, Location]:
-        """Return its places: of the setting's file, else of this one. Raises `InvalidValue`."""
-        if settings.locations:
-            return load_locations(settings.locations)
-        if self.robot.locations:
-            return load_locations(self.folder / self.robot.locations)
-        return read_locations(self.file.part("places")) if self.robot.places else {}
-
-    @property
-    def policy(self) -> Path | Policy | None:
-        """The file of its policy, or what this one says of it."""
-        if self.robot.policy_file:
-            return self.folder / self.robot.policy_file
-        return Policy(self.robot.policy) if self.robot.policy else None
-
-    def steering(self, settings: Settings) -> SteeringLimits:
-        """Return the limits for steering, where no node takes goals."""
-        limits, usual = self.robot.limits, SteeringLimits()
-        fastest = self.setting(settings, "max_linear", limits.max_linear)
-        steering = SteeringLimits(
-            max_linear_m_s=fastest,
-            max_angular_rad_s=self.setting(settings, "max_angular", limits.max_angular),
-            max_linear_m_s2=limits.max_acceleration or usual.max_linear_m_s2,
-        )
-        size = self.robot.footprint
-        if size is None:
-            return steering
-        braking_m = fastest**2 / (2 * steering.max_linear_m_s2)
-        return replace(
-            steering,
-            half_width_m=size.width / 2 + CLEAR_ASIDE_M,
-            stop_ahead_m=size.length / 2 + braking_m + CLEAR_AHEAD_M,
-        )
-
-    @property
-    def remappings(self) -> Sequence[str]:
-        """ROS arguments by which the contract's topics are those that this robot has."""
-        rules = [
-            rule for ours, its in self.robot.topics.items() for rule in ("-r", f"{ours}:={its}")
-        ]
-        return ["--ros-args", *rules] if rules else []
-
-    def namespace(self, settings: Settings) -> str:
-        """The namespace of the robot's topics."""
-        return self.setting(settings, "robot_namespace", self.robot.namespace)
-
-    @staticmethod
-    def setting(settings: Settings, name: str, described: T | None) -> T:
-        """Return the setting that was given, else the file's value, else the setting's default."""
-        given: T = getattr(settings, name)
-        return given if described is None or name in settings.model_fields_set else described
-
-
-NO_FILE = DescribedRobot(RobotFile(), YamlFile("{}", "robot"), Path())
-"""The description of a robot without a file, which only drives."""
-
-
-def load_robot_file(path: Path) -> DescribedRobot:
-    """Read and check a file, except for the types of its interfaces, which need ROS 2.
-
-    Raises `InvalidValue` naming the file, the line, the field, its value and the expected value.
-    """
-    file = YamlFile(read_text(path, "robot_file"), path.name)
-    return DescribedRobot(file.read(RobotFile, file.data), file, path.parent)

@@ -27,9 +27,10 @@ from edgevox.core.settings import Settings, check_settings
 from edgevox.ros2.clients import TookTooLong, wait_until
 from edgevox.ros2.messages import interface_profile, profile
 from edgevox.ros2.node import RosNode
-from edgevox.ros2.robot_file.format import DescribedRobot, RobotFile, SkillEntry, load_robot_file
+from edgevox.ros2.robot_file.format import RobotFile, SkillEntry
+from edgevox.ros2.robot_file.load import DescribedRobot
 from edgevox.ros2.robot_file.messages import InterfaceMissing, Kind, full_name
-from edgevox.ros2.robot_file.skills import SkillOff, planned_skills
+from edgevox.ros2.robot_file.skills import SkillOff, load_described
 from edgevox.ros2.robot_file.steps import Step, Topic
 from edgevox.ros2.standard_topics import DRIVEN
 
@@ -168,17 +169,16 @@ _ALIKE = 0.6
 def look_for_robot(settings_json: str) -> dict[str, Any]:
     """Look for the robot whose file these settings name.
 
-    The result's keys: `wrong`, why the file cannot be used; `off`, skills whose types are not
+    The result's keys: `wrong`, all that is wrong with the file; `off`, skills whose types are not
     sourced; `others`, the number of nodes; `found`, one entry for each interface; `elsewhere`, the
     namespace that most of them are in, and how many.
     """
     settings = check_settings(json.loads(settings_json))
-    facts: dict[str, Any] = {"wrong": "", "off": [], "others": 0, "found": []}
+    facts: dict[str, Any] = {"wrong": [], "off": [], "others": 0, "found": []}
     try:
-        described = load_robot_file(Path(str(settings.robot_file)))
-        planned = list(planned_skills(described.robot, described.file))
+        described, planned = load_described(Path(str(settings.robot_file)))
     except InvalidValue as error:
-        return facts | {"wrong": str(error)}
+        return facts | {"wrong": [str(one) for one in error.problems]}
     facts["off"] = [[one.name, one.reason] for one in planned if isinstance(one, SkillOff)]
     return facts | _on_the_graph(described, settings)
 

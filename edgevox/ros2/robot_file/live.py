@@ -15,9 +15,11 @@ from edgevox.agent.skills import GoalHandle, SkillFailed
 from edgevox.core.cancel import Cancelled, CancelToken
 from edgevox.core.clock import Clock
 from edgevox.core.log import get_logger
+from edgevox.core.reason import Reason
 from edgevox.ros2.clients import (
     READ_S,
     ActionRunner,
+    GaveUp,
     Newest,
     ServiceCaller,
     TopicListener,
@@ -25,11 +27,18 @@ from edgevox.ros2.clients import (
     interface_reason,
 )
 from edgevox.ros2.messages import interface_profile
-from edgevox.ros2.robot_file.messages import LONGEST_TEXT, Filling, brief, read_path, with_arguments
+from edgevox.ros2.robot_file.messages import (
+    Filling,
+    constant,
+    converted,
+    with_arguments,
+)
+from edgevox.ros2.robot_file.paths import LONGEST_TEXT, brief, owner_of, read_path
 from edgevox.ros2.robot_file.plan import PlannedStep
 from edgevox.ros2.robot_file.steps import (
     ActionInterface,
     FieldCondition,
+    Progress,
     Publication,
     ResultValue,
     Topic,
@@ -41,39 +50,55 @@ log = get_logger(__name__)
 
 def holds(message: Any, conditions: Sequence[FieldCondition], arguments: Mapping[str, Any]) -> bool:
     """Return whether all conditions hold for a message; `arguments` are values that they name."""
-    return all(_one_holds(read_path(message, one.field), one, arguments) for one in conditions)
+    return all(_one_holds(message, one, arguments) for one in conditions)
 
 
-def _one_holds(value: Any, condition: FieldCondition, arguments: Mapping[str, Any]) -> bool:
+def _one_holds(message: Any, condition: FieldCondition, arguments: Mapping[str, Any]) -> bool:
+    value = read_path(message, condition.field, arguments)
     if condition.equals is not None:
-        return bool(value == with_arguments(condition.equals, arguments))
+        wanted = with_arguments(condition.equals, arguments)
+        if isinstance(wanted, str) and not isinstance(value, str):
+            wanted = constant(owner_of(type(message), condition.field), wanted)
+        return bool(value == wanted)
     if isinstance(value, bool) or not isinstance(value, int | float):
         return False
     above = condition.above is None or value > condition.above
     return above and (condition.below is None or value < condition.below)
 
 
+class StepFailed(SkillFailed):
+    """A step failed; `values` are the results that are known all the same."""
+
+    def __init__(self, reason: Reason, values: Mapping[str, Any]) -> None:
+        self.values = values
+        super().__init__(reason)
+
+
 def values_of(planned: PlannedStep, message: Any, arguments: Mapping[str, Any]) -> dict[str, Any]:
     """Return a step's results, as JSON values; `arguments` are values that conditions may name.
 
-    Raises `SkillFailed` if the answer says that it was not done.
+    Raises `StepFailed` if the answer says that it was not done.
     """
     what = planned.interface_name
+    results = {n: value_of(message, one, arguments) for n, one in planned.step.values.items()}
     said_no = planned.way == "call" and getattr(message, "success", True) is False
-    if said_no or not holds(message, planned.step.expect, arguments):
+    if said_no or not holds(message, planned.step.expect, {**arguments, **results}):
         log.warning("interface_refused", interface=what, answer=str(brief(message))[:LONGEST_TEXT])
-        raise SkillFailed(interface_reason("refused", what=what))
-    return {name: value_of(message, one) for name, one in planned.step.values.items()}
+        raise StepFailed(interface_reason("refused", what=what), results)
+    return results
 
 
-def value_of(message: Any, how: ResultValue) -> Any:
+def value_of(message: Any, how: ResultValue, arguments: Mapping[str, Any] | None = None) -> Any:
     """Return a value of the answer as JSON, not longer than `brief`.
 
-    None if a list is shorter, and for NaN, as of a sensor that sees nothing.
+    None if a list is shorter, and for NaN, as of a sensor that sees nothing. `arguments` are values
+    that its path may name.
     """
-    value = read_path(message, how.field)
-    if how.times is not None and isinstance(value, int | float):
-        value = value * how.times
+    value = read_path(message, how.field, arguments)
+    if how.count:
+        return None if value is None else len(value)
+    if isinstance(value, int | float) and not isinstance(value, bool):
+        value = converted(value, how.times, how.plus)
     value = brief(value)
     if isinstance(value, float):
         return round(value, how.decimals) if how.decimals else round(value)
@@ -185,25 +210,64 @@ class Acts(_Base):
     def __init__(self, planned: PlannedStep, node: Node, clock: Clock) -> None:
         super().__init__(planned, node, clock)
         how: ActionInterface = getattr(self._step, planned.way)
-        self._progress = how.part_done
+        self._progress, self._tells = how.part_done, how.tells
         self._action = ActionRunner(node, planned.type, planned.interface_name, clock)
 
     def run(self, run: StepRun) -> dict[str, Any]:
-        result = self._action.run(
-            self._request(run),
-            run.token,
-            self._step.timeout_s,
-            lambda feedback: self._hear(feedback, run),
-            run.stop,
-        )
+        measure = _Measure(self._progress) if self._progress else None
+        try:
+            result = self._action.run(
+                self._request(run),
+                run.token,
+                self._step.timeout_s,
+                lambda feedback: self._hear(feedback, run, measure),
+                run.stop,
+            )
+        except GaveUp as error:
+            known = self._step.values.items()
+            values = {name: value_of(error.result, one, run.values) for name, one in known}
+            raise StepFailed(error.reason, values) from error
         return values_of(self._planned, result, run.values)
 
-    def _hear(self, feedback: Any, run: StepRun) -> None:
-        if self._progress is None or run.token.cancelled:
+    def _hear(self, feedback: Any, run: StepRun, measure: "_Measure | None") -> None:
+        if run.token.cancelled:
             return
-        part = value_of(feedback, self._progress)
-        if isinstance(part, int | float) and 0.0 <= part <= 1.0:
-            run.report(progress=round(float(part), 3))
+        told: dict[str, Any] = {}
+        if measure is not None and (part := measure.part(feedback)) is not None:
+            told["progress"] = part
+        if self._tells and (text := brief(read_path(feedback, self._tells, run.values))):
+            told["text"] = text
+        if told:
+            run.report(**told)
+
+
+class _Measure:
+    """How much of one run is done, by its feedback."""
+
+    def __init__(self, how: Progress) -> None:
+        self._how = how
+        self._whole: float | None = None
+
+    def part(self, feedback: Any) -> float | None:
+        """From 0 to 1; None if the feedback does not tell."""
+        value = value_of(feedback, self._how)
+        whole = self._of(feedback, value)
+        if not isinstance(value, int | float) or not whole:
+            return None
+        part = value / whole
+        part = 1.0 - part if self._how.down else part
+        return round(float(part), 3) if 0.0 <= part <= 1.0 else None
+
+    def _of(self, feedback: Any, value: Any) -> float | None:
+        of = self._how.of
+        if isinstance(of, str):
+            found = read_path(feedback, of)
+            return float(found) if isinstance(found, int | float) else None
+        if of is None and self._how.down:
+            if self._whole is None and isinstance(value, int | float) and value > 0.0:
+                self._whole = float(value)
+            return self._whole
+        return of or 1.0
 
 
 class _Hears(_Base):
@@ -349,7 +413,12 @@ class _SkillRun:
             values = {**self._values, **results}
             run = StepRun(values, self._token, self._goal.report, self.stop, asked_s, only_asked)
             asked_s, only_asked = self._skill.clock.now(), step.only_asks
-            results |= step.run(run)
+            try:
+                results |= step.run(run)
+            except StepFailed as error:
+                raise StepFailed(error.reason, {**results, **error.values}) from error
+            except SkillFailed as error:
+                raise StepFailed(error.reason, results) from error
         return results
 
     def stop(self) -> None:

@@ -76,31 +76,55 @@ class Publication(Topic):
 
 
 class ResultValue(Part):
-    """A value of the answer: the path of a field; a number is multiplied by `times` and rounded."""
+    """A value of the answer: the path of a field.
+
+    A number is multiplied by `times`, then `plus` is added, and it is rounded. `count` is how many
+    a list has.
+    """
 
     field: Word
     times: Number | None = None
+    plus: Number | None = None
     decimals: int = Field(3, ge=0, le=6)
+    count: bool = False
+
+    @property
+    def converts(self) -> bool:
+        """Whether it changes a number."""
+        return self.times is not None or self.plus is not None
+
+
+class Progress(ResultValue):
+    """How much of an action is done, by a number of its feedback.
+
+    The number is a part of `of`, a number or a field of the feedback; 1 by default. With `down` it
+    counts down to 0, from `of` or else from its first value.
+    """
+
+    of: Annotated[float, Field(strict=True, gt=0.0, allow_inf_nan=False)] | Word | None = None
+    down: bool = False
 
 
 class ActionInterface(Interface):
     """An action; `progress` is the path of a number in the feedback that goes from 0 to 1.
 
-    For another range, give `times`: ``{field: percent, times: 0.01}``.
+    For another range, give `of`, `times` or `down`: ``{field: percent, of: 100}``. `tells` is the
+    path of a text in the feedback, which the robot says when it is asked what it does.
     """
 
-    progress: Word | ResultValue | None = None
+    progress: Word | Progress | None = None
+    tells: Word | None = None
 
     @property
-    def part_done(self) -> ResultValue | None:
-        """Which value of the feedback says how much is done, from 0 to 1."""
-        return ResultValue(field=self.progress) if isinstance(self.progress, str) else self.progress
+    def part_done(self) -> Progress | None:
+        """Which value of the feedback says how much is done."""
+        return Progress(field=self.progress) if isinstance(self.progress, str) else self.progress
 
 
 class FieldCondition(Part):
     """A condition for a field of a message: `equals`, or a number `above` or `below`.
 
-    `equals` may name arguments and earlier results, as requests do.
+    `equals` may name arguments and earlier results, as requests do, and a constant of the message.
     """
 
     field: Word
