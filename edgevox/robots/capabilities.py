@@ -313,12 +313,16 @@ class MeasuresWays(Protocol):
 
 
 @runtime_checkable
-class LacksSkills(Protocol):
-    """Is described by a file, some of whose skills may be off."""
+class FromFile(Protocol):
+    """Is described by a file of its owner."""
 
     @property
     def skills_off(self) -> Mapping[str, str]:
-        """The skills that it cannot do, each with the reason."""
+        """The skills of the file that it cannot do, each with the reason."""
+
+    @property
+    def file_sentences(self) -> Mapping[tuple[str, str, str], str]:
+        """The skill, the language and the template of each sentence; and its place in the file."""
 
 
 @runtime_checkable

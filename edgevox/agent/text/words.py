@@ -21,6 +21,12 @@ def bare(sentence: str) -> str:
     return sentence.rstrip(". \u3002\u0964")
 
 
+def as_sentence(text: str) -> str:
+    """Words as a sentence of their own; empty if there are none."""
+    said = " ".join(text.split())
+    return said if not said or said[-1] in ".!?\u3002\u0964" else f"{said[:1].upper()}{said[1:]}."
+
+
 def as_part(sentence: str) -> str:
     """A sentence as a part of another."""
     return continued(sentence).rstrip(".")

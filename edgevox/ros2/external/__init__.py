@@ -50,7 +50,7 @@ def _build(settings: Settings, _speed: float | None) -> Body:
         _tell_unread(settings)
         robot = StationaryRobot(namespace, skills)
     robot.about, robot.own_policy = described.robot.about, described.policy
-    robot.skills_off = off
+    robot.skills_off, robot.file_sentences = off, described.sentences
     return robot
 
 

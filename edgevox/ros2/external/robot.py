@@ -76,7 +76,8 @@ class ExternalRobot:
     own_policy: Path | Policy | None = None
     """The policy that its file names or holds, for where no setting names one."""
     skills_off: Mapping[str, str] = MappingProxyType({})
-    """The skills of its file that it cannot do, each with the reason. See `LacksSkills`."""
+    file_sentences: Mapping[tuple[str, str, str], str] = MappingProxyType({})
+    """What it has of a file; see `FromFile`."""
 
     def __init__(
         self,
@@ -108,13 +109,16 @@ class ExternalRobot:
         own = navigation_skills(
             self, aliases=aliases, word=LOCATION, memory=self.place_memory, names=names
         )
-        taken = {one.name for one in described}
+        its = [one.skill() for one in described]
+        taken = {one.name for one in its}
         self._skills = (
+            # Before ours: its owner's sentences count first, unless they take any words.
+            *(one for one in its if not one.free_text),
             *(
                 replace(one, function=self._stop_and_see) if one.name == STOP else one
                 for one in own
             ),
-            *(one.skill() for one in described),  # before ours: its owner's sentences count first
+            *(one for one in its if one.free_text),
             *(one for one in driving_skills(self) if one.name not in taken),
         )
 
@@ -419,7 +423,8 @@ class StationaryRobot:
     own_policy: Path | Policy | None = None
     """The policy that its file names or holds, for where no setting names one."""
     skills_off: Mapping[str, str] = MappingProxyType({})
-    """The skills of its file that it cannot do, each with the reason. See `LacksSkills`."""
+    file_sentences: Mapping[tuple[str, str, str], str] = MappingProxyType({})
+    """What it has of a file; see `FromFile`."""
 
     def __init__(
         self, namespace: str, described: Sequence[DescribedSkill], clock: Clock | None = None

@@ -214,8 +214,13 @@ class SkillEntry(Step, Sentences):
         reads = all(step.read for step in self.every_step)
         return not reads if self.moves is None else self.moves
 
+    @property
+    def is_brief(self) -> bool:
+        """Whether all its steps usually end at once."""
+        return not any(map(_lasts, self.every_step))
+
     @model_validator(mode="after")
-    def _each_step_hasone_way(self) -> "SkillEntry":
+    def _each_step_has_one_way(self) -> "SkillEntry":
         if self.steps and self.ways:
             raise wrong((self.ways[0],), None, "nothing: the skill has steps")
         for index, step in enumerate(self.steps):
@@ -239,9 +244,13 @@ def _only_arguments(
             raise wrong((*place, "argument_names", name), name, known)
 
 
+def _lasts(step: Step) -> bool:
+    return bool(step.wait or step.action or (step.publish and step.publish.rate_hz))
+
+
 def _only_short(entry: SkillEntry) -> None:
     for step in entry.every_step:
-        if step.wait or step.action or (step.publish and step.publish.rate_hz):
+        if _lasts(step):
             expected = "true: what takes its time is a goal that a stop can end"
             raise wrong(("moves",), False, expected)
 

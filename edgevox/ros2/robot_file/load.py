@@ -7,6 +7,7 @@ from typing import Any, TypeVar
 
 from pydantic import ValidationError
 
+from edgevox.agent.phrases.load import ENGLISH
 from edgevox.agent.policy import Policy
 from edgevox.core.files.user_file import read_text
 from edgevox.core.files.validation import Problems
@@ -65,6 +66,17 @@ class DescribedRobot:
             half_width_m=size.width / 2 + CLEAR_ASIDE_M,
             stop_ahead_m=size.length / 2 + braking_m + CLEAR_AHEAD_M,
         )
+
+    @property
+    def sentences(self) -> Mapping[tuple[str, str, str], str]:
+        """The skill, the language and the template of each sentence; and its place in the file."""
+        return {
+            (name, code, template): self.file.field((*at, "sentences", index))
+            for name, entry in self.robot.skills.items()
+            for code, said in {ENGLISH: entry, **entry.languages}.items()
+            for at in [("skills", name, *(() if said is entry else ("languages", code)))]
+            for index, template in enumerate(said.sentences)
+        }
 
     @property
     def remappings(self) -> Sequence[str]:

@@ -92,6 +92,7 @@ class DescribedSkill:
             action=entry.asks,
             moves=entry.uses_the_body,
             confirm=entry.confirm,
+            brief=entry.is_brief,
             phrases=by_code,
         )
 
