@@ -293,7 +293,7 @@ class HasBattery(Protocol):
     """Runs on a charge that gets less."""
 
     def battery(self) -> float:
-        """Charge left, 0 to 1."""
+        """Charge left, 0 to 1. Raises `SkillFailed` while a robot does not tell it."""
 
 
 @runtime_checkable

@@ -1,7 +1,7 @@
 """A body's facts for programs: its charge, and the way back to its place."""
 
 from edgevox.agent.programs.senses import Senses
-from edgevox.agent.skills import Call
+from edgevox.agent.skills import Call, SkillFailed
 from edgevox.robots.capabilities import Body, HasBattery, HasPose, TellsStalls
 
 _STALLED_S = 1.0
@@ -19,7 +19,10 @@ def senses_of(body: Body) -> Senses:
 
 def _charge(body: HasBattery) -> float | None:
     stalled_s = body.stalled_s if isinstance(body, TellsStalls) else 0.0
-    return body.battery() if stalled_s < _STALLED_S else None
+    try:
+        return body.battery() if stalled_s < _STALLED_S else None
+    except SkillFailed:
+        return None
 
 
 def _way_back(body: Body) -> Call | None:

@@ -8,6 +8,7 @@ import base64
 import io
 import zlib
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from functools import partial
 from typing import Any, Protocol, runtime_checkable
 
@@ -169,7 +170,8 @@ def live(body: Body, label: Label) -> dict[str, Any]:
     if isinstance(body, InWorld):
         found |= {"path": path(body), "furniture": pushed(body, label)}
     if isinstance(body, HasBattery):
-        found["battery"] = {"level": round(body.battery(), 4)}
+        with suppress(SkillFailed):  # not told yet
+            found["battery"] = {"level": round(body.battery(), 4)}
     if isinstance(body, HasJoints):
         found["joints"] = [
             {"name": name, "value": round(angle, 4), "lower": low, "upper": high}

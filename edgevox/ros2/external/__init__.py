@@ -22,7 +22,7 @@ def _build(settings: Settings, _speed: float | None) -> Body:
 
     try:
         from edgevox.ros2.external.robot import ExternalRobot, StationaryRobot
-        from edgevox.ros2.robot_file.skills import SkillOff, load_described
+        from edgevox.ros2.robot_file.skills import LoadedFile, load_described
     except ModuleNotFoundError as error:
         if (error.name or "").partition(".")[0].startswith("edgevox"):
             raise
@@ -30,27 +30,24 @@ def _build(settings: Settings, _speed: float | None) -> Body:
             f"robot-external needs ROS 2, and {error.name} cannot be imported: source ROS 2's "
             f"setup.bash, or {install_extra('ros2')}"
         ) from error
-    described, planned = (
-        load_described(settings.robot_file) if settings.robot_file else (NO_FILE, [])
-    )
+    loaded = load_described(settings.robot_file) if settings.robot_file else LoadedFile(NO_FILE)
+    described = loaded.described
     drives = described.robot.drives
     places = described.places(settings) if drives else {}
     namespace = described.namespace(settings)
-    off = {one.name: one.reason for one in planned if isinstance(one, SkillOff)}
-    for name, reason in off.items():
+    for name, reason in loaded.off.items():
         log.warning("skill_off", skill=name, reason=reason)
-    skills = [one for one in planned if not isinstance(one, SkillOff)]
     robot: ExternalRobot | StationaryRobot
     if drives:
         how = ExternalSettings(
             steering=described.steering(settings), remappings=tuple(described.remappings)
         )
-        robot = ExternalRobot(namespace, places, how, described=skills)
+        robot = ExternalRobot(namespace, places, how, described=loaded.skills, states=loaded.states)
     else:
         _tell_unread(settings)
-        robot = StationaryRobot(namespace, skills)
+        robot = StationaryRobot(namespace, loaded.skills, states=loaded.states)
     robot.about, robot.own_policy = described.robot.about, described.policy
-    robot.skills_off, robot.file_sentences = off, described.sentences
+    robot.skills_off, robot.file_sentences = loaded.off, described.sentences
     return robot
 
 

@@ -31,6 +31,7 @@ from edgevox.ros2.external.settings import (
 )
 from edgevox.ros2.node import RosNode
 from edgevox.ros2.robot_file.skills import DescribedSkill
+from edgevox.ros2.robot_file.state import RobotStates
 
 log = get_logger(__name__)
 
@@ -51,7 +52,7 @@ class RobotNode:
         clock: Clock,
         lock: AbstractContextManager[object],
         *,
-        described: Sequence[DescribedSkill] = (),
+        described: Sequence[DescribedSkill | RobotStates] = (),
         handle: AgentNodeHandle | None = None,
     ) -> None:
         self._settings, self._clock, self._lock = settings, clock, lock

@@ -28,14 +28,17 @@ from edgevox.core.languages import LANGUAGES
 from edgevox.robots.names import LocalNames, check_told_apart
 from edgevox.ros2.external.locations import LocationsFile
 from edgevox.ros2.robot_file.steps import (
+    Comparison,
     GraphName,
     Meaning,
     Name,
     Number,
     Part,
+    ResultValue,
     Scalar,
     Step,
     StopStep,
+    Topic,
     Wait,
     Word,
     at_most,
@@ -50,7 +53,11 @@ MOST_ARGUMENTS = 20
 MOST_WORDS = 500
 MOST_STEPS = 20
 MOST_WATCHES = 5
-FOR_DRIVING = ("topics", "limits", "footprint", "places", "locations")
+MOST_STATES = 50
+MOST_NEEDS = 10
+BATTERY = "battery"
+"""The state that is the charge of the battery."""
+FOR_DRIVING = ("topics", "limits", "footprint", "places", "locations", "needs")
 """What a file says of how its robot drives, and where to."""
 
 
@@ -181,6 +188,54 @@ def _known_languages(by_code: dict[str, V]) -> dict[str, V]:
     return by_code
 
 
+class Need(Comparison):
+    """A condition of a state, without which nothing begins; `failed` says what to do about it."""
+
+    state: Name
+    failed: Annotated[str, Field(min_length=1, max_length=200)]
+    languages: Annotated[dict[str, str], AfterValidator(_known_languages)] = Field(
+        default_factory=dict, description="`failed` in other languages"
+    )
+
+
+class StateEntry(Sentences):
+    """A value that the robot tells of itself: a field of a topic's newest message.
+
+    The robot answers "what is the height" with `done`. A state named `battery` is the charge from 0
+    to 1, which EdgeVox asks for, tells and compares by itself.
+    """
+
+    topic: GraphName
+    type: Word = Field(description="such as sensor_msgs/msg/BatteryState")
+    latched: bool = False
+    field: Word
+    times: Number | None = None
+    plus: Number | None = None
+    decimals: int = Field(3, ge=0, le=6)
+    unit: str = Field("", max_length=40)
+    description: str = Field("", max_length=100)
+    languages: Annotated[dict[str, Sentences], AfterValidator(_known_languages)] = Field(
+        default_factory=dict
+    )
+
+    @property
+    def said(self) -> frozenset[str]:
+        """The keys that a skill has as well."""
+        return frozenset({*Sentences.model_fields, "description", "languages"})
+
+    @property
+    def value(self) -> ResultValue:
+        """The value of a message."""
+        return ResultValue(
+            field=self.field, times=self.times, plus=self.plus, decimals=self.decimals
+        )
+
+    @property
+    def read(self) -> Topic:
+        """The topic, as a skill reads it."""
+        return Topic(name=self.topic, type=self.type, latched=self.latched)
+
+
 class SkillEntry(Step, Sentences):
     """A skill: one step of its own, or a list of `steps` that run in order.
 
@@ -197,6 +252,7 @@ class SkillEntry(Step, Sentences):
     steps: list[Step] = Field(default_factory=list, max_length=MOST_STEPS)
     stop: StopStep | None = None
     stops_on: list[Wait] = Field(default_factory=list, max_length=MOST_WATCHES)
+    needs: list[Need] = Field(default_factory=list, max_length=MOST_NEEDS)
     moves: bool | None = None
     confirm: bool = False
     languages: Annotated[dict[str, Sentences], AfterValidator(_known_languages)] = Field(
@@ -304,6 +360,12 @@ class RobotFile(Part):
     locations: Path | None = None
     policy: PolicyFile | None = None
     policy_file: Path | None = None
+    state: Annotated[Mapping[Name, StateEntry], at_most(MOST_STATES, "states")] = Field(
+        default_factory=dict, description="values that the robot tells on its topics"
+    )
+    needs: list[Need] = Field(
+        default_factory=list, max_length=MOST_NEEDS, description="what driving needs"
+    )
     lists: Annotated[Mapping[Name, SharedList], at_most(MOST_SHARED, "lists")] = Field(
         default_factory=dict
     )
@@ -322,6 +384,16 @@ class RobotFile(Part):
         for here, path in (("places", "locations"), ("policy", "policy_file")):
             if getattr(self, here) is not None and getattr(self, path) is not None:
                 raise wrong((path,), getattr(self, path), f"nothing: {here} stand in this file")
+        return self
+
+    @model_validator(mode="after")
+    def _a_state_is_no_skill(self) -> "RobotFile":
+        for name, entry in self.state.items():
+            if name in self.skills:
+                raise wrong(("state", name), name, "a name that no skill has")
+            if name == BATTERY and entry.model_fields_set & entry.said:
+                key = min(entry.model_fields_set & entry.said)
+                raise wrong(("state", name, key), getattr(entry, key), "nothing: EdgeVox says it")
         return self
 
     @model_validator(mode="after")

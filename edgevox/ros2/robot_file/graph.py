@@ -30,7 +30,7 @@ from edgevox.ros2.node import RosNode
 from edgevox.ros2.robot_file.format import RobotFile, SkillEntry
 from edgevox.ros2.robot_file.load import DescribedRobot
 from edgevox.ros2.robot_file.messages import InterfaceMissing, Kind, full_name
-from edgevox.ros2.robot_file.skills import SkillOff, load_described
+from edgevox.ros2.robot_file.skills import load_described
 from edgevox.ros2.robot_file.steps import Step, Topic
 from edgevox.ros2.standard_topics import DRIVEN
 
@@ -69,6 +69,9 @@ def wanted_by(robot: RobotFile) -> Iterator[Wanted]:
         row = DRIVEN[topic]
         role: Role = "publisher" if row.direction == "in" else "subscriber"
         yield Wanted(TOPICS, role, name, row.type, contract=topic)
+    for state, told in robot.state.items():
+        with contextlib.suppress(InterfaceMissing):  # it is off, which is told by itself
+            yield Wanted(state, "publisher", told.topic, full_name(told.type, "msg"), told.latched)
     for skill, entry in robot.skills.items():
         yield from dict.fromkeys(_wanted_by_steps(skill, entry))
 
@@ -176,11 +179,11 @@ def look_for_robot(settings_json: str) -> dict[str, Any]:
     settings = check_settings(json.loads(settings_json))
     facts: dict[str, Any] = {"wrong": [], "off": [], "others": 0, "found": []}
     try:
-        described, planned = load_described(Path(str(settings.robot_file)))
+        loaded = load_described(Path(str(settings.robot_file)))
     except InvalidValue as error:
         return facts | {"wrong": [str(one) for one in error.problems]}
-    facts["off"] = [[one.name, one.reason] for one in planned if isinstance(one, SkillOff)]
-    return facts | _on_the_graph(described, settings)
+    facts["off"] = [list(one) for one in loaded.off.items()]
+    return facts | _on_the_graph(loaded.described, settings)
 
 
 def _on_the_graph(described: DescribedRobot, settings: Settings) -> dict[str, Any]:

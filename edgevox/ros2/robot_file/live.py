@@ -37,6 +37,7 @@ from edgevox.ros2.robot_file.paths import LONGEST_TEXT, brief, owner_of, read_pa
 from edgevox.ros2.robot_file.plan import PlannedStep
 from edgevox.ros2.robot_file.steps import (
     ActionInterface,
+    Comparison,
     FieldCondition,
     Progress,
     Publication,
@@ -59,11 +60,18 @@ def _one_holds(message: Any, condition: FieldCondition, arguments: Mapping[str, 
         wanted = with_arguments(condition.equals, arguments)
         if isinstance(wanted, str) and not isinstance(value, str):
             wanted = constant(owner_of(type(message), condition.field), wanted)
-        return bool(value == wanted)
+        return compares(value, condition, wanted)
+    return compares(value, condition, None)
+
+
+def compares(value: Any, how: Comparison, equals: Any) -> bool:
+    """Whether a value is as wanted; `equals` is what it has to equal, unless that is None."""
+    if how.equals is not None:
+        return bool(value == equals)
     if isinstance(value, bool) or not isinstance(value, int | float):
         return False
-    above = condition.above is None or value > condition.above
-    return above and (condition.below is None or value < condition.below)
+    above = how.above is None or value > how.above
+    return above and (how.below is None or value < how.below)
 
 
 class StepFailed(SkillFailed):

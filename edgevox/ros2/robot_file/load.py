@@ -15,7 +15,7 @@ from edgevox.core.files.yaml_file import YamlFile
 from edgevox.core.settings import Settings
 from edgevox.ros2.external.locations import Location, load_locations, read_locations
 from edgevox.ros2.external.settings import SteeringLimits
-from edgevox.ros2.robot_file.format import RobotFile
+from edgevox.ros2.robot_file.format import RobotFile, SkillEntry, StateEntry
 from edgevox.ros2.robot_file.shared import with_shared
 
 T = TypeVar("T")
@@ -70,11 +70,14 @@ class DescribedRobot:
     @property
     def sentences(self) -> Mapping[tuple[str, str, str], str]:
         """The skill, the language and the template of each sentence; and its place in the file."""
+        entries: list[tuple[tuple[str, str], SkillEntry | StateEntry]]
+        entries = [(("skills", name), one) for name, one in self.robot.skills.items()]
+        entries += [(("state", name), one) for name, one in self.robot.state.items()]
         return {
-            (name, code, template): self.file.field((*at, "sentences", index))
-            for name, entry in self.robot.skills.items()
+            (at[1], code, template): self.file.field((*at, *inner, "sentences", index))
+            for at, entry in entries
             for code, said in {ENGLISH: entry, **entry.languages}.items()
-            for at in [("skills", name, *(() if said is entry else ("languages", code)))]
+            for inner in [() if said is entry else ("languages", code)]
             for index, template in enumerate(said.sentences)
         }
 

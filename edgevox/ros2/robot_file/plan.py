@@ -12,7 +12,7 @@ from edgevox.core.files.validation import Place, Problems
 from edgevox.core.files.yaml_file import YamlFile
 from edgevox.ros2.clients import STEERING, type_name
 from edgevox.ros2.robot_file.arguments import samples
-from edgevox.ros2.robot_file.format import Argument
+from edgevox.ros2.robot_file.format import BATTERY, Argument, Need, StateEntry
 from edgevox.ros2.robot_file.messages import (
     Filling,
     Kind,
@@ -65,6 +65,16 @@ class PlannedStep:
         return str(getattr(self.step, self.way).name)
 
 
+@dataclass(frozen=True, slots=True)
+class PlannedState:
+    """A state, its message's class, the class that has its field, and its value's type."""
+
+    entry: StateEntry
+    type: Any
+    owner: Any
+    value_type: str
+
+
 class Planner:
     """Checks the steps of one skill in order: a later one may use earlier results.
 
@@ -106,6 +116,31 @@ class Planner:
             with self._problems.collect():
                 self._check_condition(kind, one, (*at, "until", number))
         return PlannedStep(Step(wait=watch), "wait", kind, answer=kind)
+
+    def plan_state(self, entry: StateEntry, at: Place) -> PlannedState:
+        """A state that stands `at` this place. Raises `InterfaceMissing` for a type."""
+        kind = interface(entry.type, "msg")
+        owner, value_type = None, ANY
+        with self._problems.collect():
+            found = self._field_at(kind, entry.field, (*at, "field"))
+            owner, value_type = found.owner, self._type_of(found.type, entry.value, (*at, "field"))
+            if at[-1] == BATTERY and not _is_number(value_type):
+                expected = "a number, the charge from 0 to 1"
+                raise self._file.wrong((*at, "field"), entry.field, expected)
+        return PlannedState(entry, kind, owner, value_type)
+
+    def check_need(self, need: Need, state: PlannedState, at: Place) -> None:
+        """Raise `InvalidValue` for a need that its state can never meet."""
+        if state.value_type == ANY:
+            return
+        compared = need.above is not None or need.below is not None
+        if compared and not _is_number(state.value_type):
+            raise self._file.wrong(at, need.state, "a number, to be above or below something")
+        if need.equals is not None:
+            value = constant(state.owner, need.equals)
+            if other := _unlike(state.value_type, value):
+                expected = f"{other} ({state.value_type})"
+                raise self._file.wrong((*at, "equals"), need.equals, expected)
 
     def _check_steering(self, planned: PlannedStep, at: Place) -> None:
         name = type_name(planned.type)

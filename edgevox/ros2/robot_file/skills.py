@@ -1,6 +1,6 @@
 """The skills of a robot file, from the file to the graph."""
 
-from collections.abc import Mapping, Set
+from collections.abc import Mapping, Sequence, Set
 from dataclasses import dataclass, field
 from pathlib import Path
 from types import MappingProxyType
@@ -18,7 +18,6 @@ from edgevox.core.errors import InvalidValue
 from edgevox.core.files.validation import Place, Problems
 from edgevox.core.files.yaml_file import YamlFile, value_key
 from edgevox.core.languages import LANGUAGES
-from edgevox.core.log import get_logger
 from edgevox.robots.names import check_thing
 from edgevox.ros2.clients import interface_reason
 from edgevox.ros2.robot_file.arguments import (
@@ -31,18 +30,13 @@ from edgevox.ros2.robot_file.arguments import (
     meanings,
     values_in,
 )
-from edgevox.ros2.robot_file.format import (
-    RobotFile,
-    Sentences,
-    SkillEntry,
-)
+from edgevox.ros2.robot_file.format import Sentences, SkillEntry
 from edgevox.ros2.robot_file.live import LiveSkill, StepFailed, Watch, go_live, run_skill
 from edgevox.ros2.robot_file.load import DescribedRobot, read_robot_file
 from edgevox.ros2.robot_file.messages import InterfaceMissing, arguments_in
 from edgevox.ros2.robot_file.plan import PlannedStep, Planner
+from edgevox.ros2.robot_file.state import NO_STATES, RobotStates, planned_states, questions
 from edgevox.ros2.robot_file.steps import Step
-
-log = get_logger(__name__)
 
 
 @dataclass(eq=False)
@@ -56,6 +50,7 @@ class DescribedSkill:
     watches: list[PlannedStep]
     constants: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
     """The constants by which the file may call the values of results, by the results' names."""
+    states: RobotStates = NO_STATES
     _live: LiveSkill | None = None
 
     def open(self, node: Node, clock: Clock) -> None:
@@ -101,6 +96,7 @@ class DescribedSkill:
         live = self._live
         if live is None:
             raise SkillFailed(agent_because("switched_off"))
+        self.states.check(self.entry.needs)
         try:
             results = run_skill(live, goal, meanings(self.entry.arguments, arguments))
             self._check_said(results)
@@ -158,45 +154,48 @@ def _by_value(
 
 
 @dataclass(frozen=True, slots=True)
-class SkillOff:
-    """A skill that is off, and the missing type."""
+class LoadedFile:
+    """A robot file with what its interfaces' types make of it."""
 
-    name: str
-    reason: str
+    described: DescribedRobot
+    skills: Sequence[DescribedSkill] = ()
+    states: RobotStates = NO_STATES
+    off: Mapping[str, str] = field(default_factory=dict)
+    """The skills and states whose types are missing, each with the reason."""
 
 
-def load_described(path: Path) -> tuple[DescribedRobot, list[DescribedSkill | SkillOff]]:
-    """Read and check a file: the robot, and each of its skills, or why it is off.
+def load_described(path: Path) -> LoadedFile:
+    """Read and check a file, its skills and its states.
 
     Raises `InvalidValue` with all that is wrong, each with file, line and field.
     """
     described, problems = read_robot_file(path)
-    planned = planned_skills(described.robot, described.file, problems)
-    return described, planned
-
-
-def planned_skills(
-    robot: RobotFile, file: YamlFile, problems: Problems | None = None
-) -> list[DescribedSkill | SkillOff]:
-    """Every skill of a file, or why it is off. Raises `InvalidValue` as `load_described`."""
-    problems = problems or Problems()
-    planned: list[DescribedSkill | SkillOff] = []
+    robot, file = described.robot, described.file
+    planned, off_states = planned_states(robot, file, problems)
+    states = RobotStates(planned, robot.needs)
+    off = {("state", name): reason for name, reason in off_states.items()}
+    skills = []
     for name, entry in robot.skills.items():
         place: Place = ("skills", name)
         _check_names(name, entry, file, place, problems)
         _check_sentences(entry, file, place, problems)
         try:
-            planned.append(_planned(name, entry, file, place, problems))
+            skills.append(_planned(name, entry, file, place, problems))
         except InterfaceMissing as error:
-            planned.append(SkillOff(name, str(error)))
+            off["skills", name] = str(error)
+    for name, entry in questions(robot, planned).items():
+        place = ("state", name)
+        _check_names(name, entry, file, place, problems)
+        _check_sentences(entry, file, place, problems)
+        skills.append(_planned(name, entry, file, place, problems))
     if problems.found:
         problems.found += [
-            file.wrong(("skills", one.name), one.name, f"types that are there: {one.reason}")
-            for one in planned
-            if isinstance(one, SkillOff)
+            file.wrong(at, at[-1], f"types that are there: {reason}") for at, reason in off.items()
         ]
     problems.tell()
-    return planned
+    for one in skills:
+        one.states = states
+    return LoadedFile(described, skills, states, {at[-1]: one for at, one in off.items()})
 
 
 def _planned(

@@ -121,22 +121,27 @@ class ActionInterface(Interface):
         return Progress(field=self.progress) if isinstance(self.progress, str) else self.progress
 
 
-class FieldCondition(Part):
-    """A condition for a field of a message: `equals`, or a number `above` or `below`.
+class Comparison(Part):
+    """What a value has to be: `equals`, or a number `above` or `below`."""
 
-    `equals` may name arguments and earlier results, as requests do, and a constant of the message.
-    """
-
-    field: Word
     equals: Scalar | None = None
     above: Number | None = None
     below: Number | None = None
 
     @model_validator(mode="after")
-    def _says_something(self) -> "FieldCondition":
+    def _says_something(self) -> "Comparison":
         if self.equals is None and self.above is None and self.below is None:
             raise wrong((), None, "equals, above or below")
         return self
+
+
+class FieldCondition(Comparison):
+    """A condition for a field of a message.
+
+    `equals` may name arguments and earlier results, as requests do, and a constant of the message.
+    """
+
+    field: Word
 
 
 class Wait(Topic):
