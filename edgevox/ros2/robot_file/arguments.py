@@ -218,13 +218,13 @@ _NUMBERS = ("number", "integer")
 
 def _meaning(one: Argument, value: Any) -> Any:
     if one.type == "choice":
-        return one.meanings[value]
+        return one.meanings.get(value, value)
     return converted(value, one.times, one.plus)
 
 
 def _samples(one: Argument) -> list[Any]:
     if one.type == "choice":
-        return list(one.meanings)
+        return list(one.meanings) or [""]  # of a list that there is not, which is told by itself
     if one.type == "boolean":
         return [True, False]
     if one.type == "text":

@@ -222,13 +222,13 @@ class Acts(_Base):
         self._action = ActionRunner(node, planned.type, planned.interface_name, clock)
 
     def run(self, run: StepRun) -> dict[str, Any]:
-        measure = _Measure(self._progress) if self._progress else None
+        part_done = progress_of(self._progress) if self._progress else None
         try:
             result = self._action.run(
                 self._request(run),
                 run.token,
                 self._step.timeout_s,
-                lambda feedback: self._hear(feedback, run, measure),
+                lambda feedback: self._hear(feedback, run, part_done),
                 run.stop,
             )
         except GaveUp as error:
@@ -237,11 +237,11 @@ class Acts(_Base):
             raise StepFailed(error.reason, values) from error
         return values_of(self._planned, result, run.values)
 
-    def _hear(self, feedback: Any, run: StepRun, measure: "_Measure | None") -> None:
+    def _hear(self, feedback: Any, run: StepRun, part_done: "PartDone | None") -> None:
         if run.token.cancelled:
             return
         told: dict[str, Any] = {}
-        if measure is not None and (part := measure.part(feedback)) is not None:
+        if part_done is not None and (part := part_done(feedback)) is not None:
             told["progress"] = part
         if self._tells and (text := brief(read_path(feedback, self._tells, run.values))):
             told["text"] = text
@@ -249,33 +249,32 @@ class Acts(_Base):
             run.report(**told)
 
 
-class _Measure:
-    """How much of one run is done, by its feedback."""
+PartDone = Callable[[Any], float | None]
+"""How much of a run is done by its feedback, from 0 to 1; None if the feedback does not tell."""
 
-    def __init__(self, how: Progress) -> None:
-        self._how = how
-        self._whole: float | None = None
 
-    def part(self, feedback: Any) -> float | None:
-        """From 0 to 1; None if the feedback does not tell."""
-        value = value_of(feedback, self._how)
-        whole = self._of(feedback, value)
-        if not isinstance(value, int | float) or not whole:
+def progress_of(how: Progress) -> PartDone:
+    """What tells how much of one run is done: it remembers the number that it counts down from."""
+    first: list[float] = []
+
+    def whole(feedback: Any, value: float) -> float:
+        if isinstance(how.of, str):
+            found = read_path(feedback, how.of)
+            return float(found) if isinstance(found, int | float) else 0.0
+        if how.of is not None or not how.down:
+            return how.of or 1.0
+        if not first:
+            first.append(value)
+        return first[0]
+
+    def part_done(feedback: Any) -> float | None:
+        value = value_of(feedback, how)
+        if not isinstance(value, int | float) or not (of := whole(feedback, value)):
             return None
-        part = value / whole
-        part = 1.0 - part if self._how.down else part
+        part = 1.0 - value / of if how.down else value / of
         return round(float(part), 3) if 0.0 <= part <= 1.0 else None
 
-    def _of(self, feedback: Any, value: Any) -> float | None:
-        of = self._how.of
-        if isinstance(of, str):
-            found = read_path(feedback, of)
-            return float(found) if isinstance(found, int | float) else None
-        if of is None and self._how.down:
-            if self._whole is None and isinstance(value, int | float) and value > 0.0:
-                self._whole = float(value)
-            return self._whole
-        return of or 1.0
+    return part_done
 
 
 class _Hears(_Base):

@@ -131,17 +131,22 @@ def read_robot_file(path: Path) -> tuple[DescribedRobot, Problems]:
     return DescribedRobot(robot, file, path.parent), problems
 
 
+SHARED = {"lists", "rules", "languages", "state"}
+"""What skills need of the file: where it is wrong, no more can be said of them."""
+
+
 def _without_wrong(data: Any, error: ValidationError) -> Mapping[str, Any]:
-    """The skills that may be right, for a look at their interfaces; nothing else matters then."""
-    wrong_skills = {
-        one["loc"][1] for one in error.errors() if one["loc"][:1] == ("skills",) and one["loc"][1:]
-    }
-    skills = data.get("skills") if isinstance(data, Mapping) else None
-    if not isinstance(skills, Mapping) or ("skills",) in {one["loc"] for one in error.errors()}:
+    """What may be right of the file, for a look at the interfaces of its other skills."""
+    wrong = {one["loc"][:2] for one in error.errors()}
+    keys = {place[0] for place in wrong if place}
+    if not isinstance(data, Mapping) or () in wrong or ("skills",) in wrong or keys & SHARED:
         return {}
-    left = {name: one for name, one in skills.items() if name not in wrong_skills}
+    left = {key: value for key, value in data.items() if key not in keys}
+    if "skills" in keys:
+        skills = data["skills"].items()
+        left["skills"] = {name: one for name, one in skills if ("skills", name) not in wrong}
     try:
-        RobotFile.model_validate({"skills": left})
+        RobotFile.model_validate(left)
     except ValidationError:
         return {}
-    return {"skills": left}
+    return left

@@ -14,7 +14,7 @@ import re
 from edgevox.agent.phrases.load import ENGLISH, phrasebook
 from edgevox.core.files.validation import Place, Problems
 from edgevox.core.files.yaml_file import YamlFile
-from edgevox.ros2.robot_file.format import Argument, RobotFile, Sentences, SkillEntry
+from edgevox.ros2.robot_file.format import Argument, RobotFile, Sentences, SkillEntry, WordList
 
 LONGEST_SENTENCE = 10_000
 """In characters, with its rules written out."""
@@ -52,6 +52,7 @@ class _Shared:
         for argument, one in entry.arguments.items():
             with self._problems.collect():
                 arguments[argument] = self._argument(one, (*at, "arguments", argument))
+            self._check_default(arguments[argument], (*at, "arguments", argument))
         languages = {
             code: said.model_copy(update={"sentences": self._sentences(said, code, place)})
             for code, said in entry.languages.items()
@@ -68,12 +69,15 @@ class _Shared:
         if one.list not in lists:
             expected = "a list: one of " + (", ".join(lists) or "none")
             raise self._file.wrong((*at, "list"), one.list, expected)
-        words = lists[one.list]
-        if one.default is not None and one.default not in words.meanings:
-            expected = "one of " + ", ".join(words.meanings)
-            raise self._file.wrong((*at, "default"), one.default, expected)
-        known = {name: getattr(words, name) for name in ("values", "aliases", "names")}
+        known = {name: getattr(lists[one.list], name) for name in WordList.model_fields}
         return one.model_copy(update=known)
+
+    def _check_default(self, one: Argument, at: Place) -> None:
+        words = one.meanings
+        if one.list and words and one.default is not None and one.default not in words:
+            expected = "one of " + ", ".join(words)
+            wrong = self._file.wrong((*at, "default"), one.default, expected)
+            self._problems.found.append(wrong)
 
     def _sentences(self, said: Sentences, code: str, at: Place) -> list[str]:
         found = list(said.sentences)
