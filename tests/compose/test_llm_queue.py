@@ -22,7 +22,7 @@ from edgevox.agent.agents import Agent
 from edgevox.agent.conversation import Conversation
 from edgevox.agent.llm.language_model import ModelBusy
 from edgevox.agent.llm.remote import Address, EndpointModel, FallbackModel
-from edgevox.agent.llm.remote.server_errors import Unreachable
+from edgevox.agent.llm.remote.protocol import Unreachable
 from edgevox.core.bus import Bus
 from edgevox.core.commands import TextInput
 

@@ -7,8 +7,7 @@ phonemes of espeak-ng, if it is installed.
 import struct
 from pathlib import Path
 
-from edgevox.agent.llm.absent import AbsentModel
-from edgevox.agent.llm.language_model import LanguageModel
+from edgevox.agent.llm.language_model import AbsentModel, LanguageModel
 from edgevox.agent.nlu.decider import Decider
 from edgevox.agent.nlu.encoder.encoder import ENCODER
 from edgevox.agent.nlu.hearing.sounds import Phonemes

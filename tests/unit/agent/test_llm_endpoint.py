@@ -8,7 +8,7 @@ import pytest
 from llm_server import CHAT, GOOD, ROOMS, Reply, ask, serving
 
 from edgevox.agent.llm.remote import Address
-from edgevox.agent.llm.remote.server_errors import Unusable
+from edgevox.agent.llm.remote.protocol import Unusable
 from edgevox.core.cancel import CancelToken
 from edgevox.core.settings import GrammarDialect
 

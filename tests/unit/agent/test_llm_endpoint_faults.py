@@ -10,7 +10,7 @@ from llm_server import CHAT, GOOD, ROOMS, Chat, Reply, ask, failing, good, never
 
 from edgevox.agent.llm.language_model import ModelBusy, ModelFailed
 from edgevox.agent.llm.remote import Address, EndpointModel
-from edgevox.agent.llm.remote.server_errors import RequestRefused, Unreachable, Unusable
+from edgevox.agent.llm.remote.protocol import RequestRefused, Unreachable, Unusable
 from edgevox.core.cancel import CancelToken
 
 

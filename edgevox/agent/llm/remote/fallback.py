@@ -12,7 +12,7 @@ from edgevox.agent.llm.language_model import (
     ModelBusy,
     ModelFailed,
 )
-from edgevox.agent.llm.remote.server_errors import RequestRefused
+from edgevox.agent.llm.remote.protocol import RequestRefused
 from edgevox.core.cancel import CancelToken
 from edgevox.core.clock import Clock, SystemClock
 from edgevox.core.log import get_logger

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from typing import Union
 
 from edgevox.agent.llm.language_model import ModelFailed
-from edgevox.agent.llm.remote.server_errors import Unusable
+from edgevox.agent.llm.remote.protocol import Unusable
 from edgevox.core.cancel import CancelToken
 
 _TOKEN = re.compile(

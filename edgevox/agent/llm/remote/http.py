@@ -14,7 +14,7 @@ from typing import Any
 import httpx
 
 from edgevox.agent.llm.language_model import ModelFailed
-from edgevox.agent.llm.remote.server_errors import Unreachable, Unusable
+from edgevox.agent.llm.remote.protocol import Unreachable, Unusable
 from edgevox.core.errors import InvalidValue
 from edgevox.core.files.json_reader import read_json
 

@@ -11,10 +11,17 @@ from typing import Any
 import httpx
 
 from edgevox.agent.llm.language_model import CONTEXT_TOKENS, ChatMessage, ModelFailed
-from edgevox.agent.llm.remote.address import Address, Offer, chat_request, read_offer
 from edgevox.agent.llm.remote.gbnf import enforce_grammar
 from edgevox.agent.llm.remote.http import HttpRequest, pieces, refusal
-from edgevox.agent.llm.remote.server_errors import Unreachable, Unusable, by_status
+from edgevox.agent.llm.remote.protocol import (
+    Address,
+    Offer,
+    Unreachable,
+    Unusable,
+    by_status,
+    chat_request,
+    read_offer,
+)
 from edgevox.core.cancel import CancelToken
 from edgevox.core.errors import InvalidValue
 from edgevox.core.files.json_reader import read_json

@@ -1,4 +1,7 @@
-"""The address of a shared model, its offer, and the form of its requests."""
+"""The OpenAI protocol: a server's address and offer, the form of a request, and errors.
+
+An error says by its class what helps: a second attempt, another request, or nothing.
+"""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -6,10 +9,41 @@ from pathlib import Path
 from typing import Any
 from urllib.parse import urlsplit
 
-from edgevox.agent.llm.language_model import ChatMessage
-from edgevox.agent.llm.remote.server_errors import Unusable
+from edgevox.agent.llm.language_model import ChatMessage, ModelBusy, ModelFailed
 from edgevox.core.files.user_file import regular
 from edgevox.core.settings import GrammarDialect
+
+
+class Unreachable(ModelFailed):
+    """The server cannot be reached or serve now; a second attempt may succeed."""
+
+
+class Unusable(ModelFailed):
+    """The server answers wrongly, and would answer the same request the same way."""
+
+
+class RequestRefused(ModelFailed):
+    """The server refused this request, perhaps as too long; it may serve others."""
+
+
+_OF_THE_REQUEST = (400, 413, 422)
+_FOR_NOW = (408, 425)
+_FULL, _AWAY = 429, 503
+
+
+def by_status(status: int, route: str, said: str, *, later: bool = False) -> ModelFailed:
+    """The error that an HTTP status other than 200 stands for.
+
+    `later` is whether the server says when to come again, by which a 503 means that it is full and
+    not that it is gone. A full one is not tried again: who waits in its queue would wait twice.
+    """
+    message = f"{route} answered {status}: {said}"
+    if status == _FULL or (status == _AWAY and later):
+        return ModelBusy(message)
+    if status in _OF_THE_REQUEST:
+        return RequestRefused(message)
+    return Unreachable(message) if status in _FOR_NOW or status >= 500 else Unusable(message)
+
 
 _OWNERS: Mapping[str, GrammarDialect] = {"llamacpp": "llama-server", "vllm": "vllm"}
 """What servers call themselves in their list of models."""
