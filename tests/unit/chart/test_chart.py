@@ -8,7 +8,7 @@ import yaml
 from chart_rig import ONE, chart, environment, objects, pods, solo, validate
 
 from edgevox import __version__
-from edgevox.agent.policy.file import PolicyFile, parse_policy
+from edgevox.agent.policy.policy import PolicyFile, parse_policy
 from edgevox.core.status import STALL_S
 
 FLEET = yaml.safe_load(chart.FLEET.read_text())
