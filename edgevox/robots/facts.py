@@ -1,8 +1,9 @@
-"""What any body can tell of itself and its world, from what it can do: questions and their facts.
+"""What any body can tell of itself and its world, from what it can do.
 
-A fact is a skill that moves nothing. Its result has what is known now; the table `facts` of each
-language's file has the templates that ask for it and the sentences that tell it, of which the last
-says that it is not known. A body adds its own with `TellsFacts`.
+A fact answers a question: a skill that moves nothing. Its result has what is known now; the table
+`facts` of each language's file has the templates that ask for it and the sentences that tell it, of
+which the last says that it is not known. A body adds its own with `TellsFacts`. `senses_of` has
+what programs ask while they wait: the charge, and the way back.
 """
 
 import math
@@ -13,7 +14,8 @@ from typing import Annotated
 import numpy as np
 
 from edgevox.agent.dialogue.known import Known, WayLeft, about_s, no_place
-from edgevox.agent.skills import GoalHandle, OneOf, Result, Skill, SkillFailed, skill
+from edgevox.agent.programs.senses import Senses
+from edgevox.agent.skills import Call, GoalHandle, OneOf, Result, Skill, SkillFailed, skill
 from edgevox.core.transforms import Pose2D
 from edgevox.robots.capabilities import (
     Body,
@@ -30,6 +32,7 @@ from edgevox.robots.capabilities import (
     TakesVelocity,
     TellsFacts,
     TellsMotions,
+    TellsStalls,
 )
 
 _NO_PLACES = OneOf(())
@@ -294,3 +297,30 @@ def _around(scan: LidarScan) -> Mapping[str, object]:
 def _side(turn_rad: float) -> str:
     """The side on which a direction lies, counter-clockwise from the heading."""
     return _SIDES[round(turn_rad / (math.pi / 2)) % len(_SIDES)]
+
+
+_STALLED_S = 1.0
+"""A world that has stood still for this long may hold the lock that guards its battery."""
+_POINT = "navigate_xy"
+
+
+def senses_of(body: Body) -> Senses:
+    """The senses of this body."""
+    return Senses(
+        battery=(lambda: _charge(body)) if isinstance(body, HasBattery) else None,
+        way_back=lambda: _way_back(body),
+    )
+
+
+def _charge(body: HasBattery) -> float | None:
+    stalled_s = body.stalled_s if isinstance(body, TellsStalls) else 0.0
+    return body.battery() if stalled_s < _STALLED_S else None
+
+
+def _way_back(body: Body) -> Call | None:
+    """Return the call that drives to the present point; None if the body cannot drive to points."""
+    skills = {one.name for one in body.skills}
+    if not isinstance(body, HasPose) or _POINT not in skills:
+        return None
+    pose = body.pose()
+    return Call(_POINT, {"x": round(pose.x_m, 2), "y": round(pose.y_m, 2)})

@@ -11,8 +11,8 @@ from edgevox.agent.skills import SkillSet
 from edgevox.core.agent_events import GoalChanged, GoalStatus, ProgramChanged
 from edgevox.core.bus import Bus
 from edgevox.core.commands import TextInput
+from edgevox.robots.facts import senses_of
 from edgevox.robots.flat.apartment import ApartmentRobot
-from edgevox.robots.program_senses import senses_of
 
 STEP_S = 0.5
 

@@ -60,9 +60,8 @@ from edgevox.ops.health import Health
 from edgevox.ops.logs import BusLog
 from edgevox.ops.machine import DiskComponent, ProcessComponent
 from edgevox.robots.capabilities import Body, HasPicture, HasPose
-from edgevox.robots.facts import known_of
+from edgevox.robots.facts import known_of, senses_of
 from edgevox.robots.flat.viewer import Viewer, has_display
-from edgevox.robots.program_senses import senses_of
 from edgevox.robots.sim_loop import SimComponent
 from edgevox.ros2 import BridgeContext, open_bridge
 from edgevox.voice.status import AudioComponent, SttComponent, TtsComponent

@@ -12,8 +12,7 @@ from edgevox.robots.capabilities import CameraImage, CameraSpec
 from edgevox.robots.humanoid.environment import MujocoHumanoidEnvironment
 from edgevox.robots.humanoid.scene import HEAD_CAMERA
 from edgevox.robots.mujoco.cameras import PICTURE_PX
-from edgevox.robots.mujoco.renderer import Renderer
-from edgevox.robots.mujoco.snapshot import Snapshot
+from edgevox.robots.mujoco.renderer import Renderer, Snapshot
 
 WIDTH_PX, HEIGHT_PX = 320, 240
 VERTICAL_FOV_RAD = math.radians(60.0)

@@ -17,9 +17,8 @@ from edgevox.robots.capabilities import CameraImage, CameraSpec, Report, Twist2D
 from edgevox.robots.command_mux import CommandMux
 from edgevox.robots.humanoid.cameras import HumanoidCameras
 from edgevox.robots.humanoid.environment import MujocoHumanoidEnvironment
-from edgevox.robots.humanoid.motion_primitive import MotionPrimitive
 from edgevox.robots.humanoid.skills import walking_skills
-from edgevox.robots.humanoid.walk_control import WalkControl, describe
+from edgevox.robots.humanoid.walk_control import MotionPrimitive, WalkControl, describe
 from edgevox.robots.relative_skills import where
 from edgevox.robots.sim_loop import BROKE, SimLoop, SimulatedBody, SteppedBySimLoop
 

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import mujoco
 import numpy as np
 
-from edgevox.robots.mujoco.snapshot import Snapshot
+from edgevox.robots.mujoco.renderer import Snapshot
 from edgevox.robots.panda.kinematics import ARM_JOINTS, Joints
 from edgevox.robots.panda.scene import TCP
 

@@ -14,11 +14,11 @@ from numpy.typing import NDArray
 from edgevox.agent.skills import SkillFailed
 from edgevox.agent.text.reasons import because
 from edgevox.core.transforms import turn_between
-from edgevox.robots.mujoco.snapshot import Snapshot
+from edgevox.robots.mujoco.renderer import Snapshot
 from edgevox.robots.panda.collisions import Collisions, Touch
 from edgevox.robots.panda.kinematics import READY, HandPose, Joints, Kinematics
-from edgevox.robots.panda.layout import FAR_M
 from edgevox.robots.panda.motion import Pace, Rows, steps, written
+from edgevox.robots.panda.table import FAR_M
 
 Point = NDArray[np.float64]
 """(3,) metres, map frame."""
