@@ -10,6 +10,7 @@ from typing import Any
 
 from edgevox.agent.goals.executor import SkillExecutor
 from edgevox.agent.goals.goal import Goal
+from edgevox.agent.known import NOTHING_KNOWN, Known
 from edgevox.agent.nlu.orders import (
     After,
     BatteryBelow,
@@ -22,7 +23,6 @@ from edgevox.agent.nlu.orders import (
 )
 from edgevox.agent.phrases.phrasebook import Phrasebook
 from edgevox.agent.programs.run import ProgramRun, in_words
-from edgevox.agent.programs.senses import NO_SENSES, Senses
 from edgevox.agent.programs.store import (
     LONGEST_RUN_S,
     LONGEST_WAIT_S,
@@ -56,12 +56,12 @@ class _Permission:
         self,
         executor: SkillExecutor,
         skills: SkillSet,
-        senses: Senses,
+        known: Known,
         phrases: Callable[[], Phrasebook],
     ) -> None:
         self._executor = executor
         self._skills = skills
-        self._senses = senses
+        self._known = known
         self._phrases = phrases
 
     def is_given(self, program: Program, turn: Turn, *, confirmed: bool = False) -> bool:
@@ -70,7 +70,7 @@ class _Permission:
         Raises `NeedsConfirmation` if the policy wants a yes and the program is not `confirmed`.
         """
         try:
-            check_bounds(program, self._senses, self._skills.values())
+            check_bounds(program, self._known, self._skills.values())
         except SkillFailed as error:
             turn.say(self._phrases().refusal(error.reason), Outcome.REFUSED)
             return False
@@ -80,7 +80,7 @@ class _Permission:
 
     def check(self, kept: Kept) -> None:
         """Raise if the program is not allowed now."""
-        check_bounds(kept.program, self._senses, self._skills.values())
+        check_bounds(kept.program, self._known, self._skills.values())
         for call in calls_of(kept.program):
             self._executor.check(
                 call,
@@ -116,7 +116,7 @@ class Programs:
         phrases: Callable[[], Phrasebook],
         clock: Clock,
         timer: Timer | None = None,
-        senses: Senses = NO_SENSES,
+        known: Known = NOTHING_KNOWN,
     ) -> None:
         """Store the collaborators and follow the executor.
 
@@ -128,19 +128,19 @@ class Programs:
             phrases: Returns the sentences of the current language.
             clock: Measures waits and runs.
             timer: Wakes programs at their time; `Deadlines` by default.
-            senses: The body's battery and way back, for conditions and returns.
+            known: The body's battery and way back, for conditions and returns.
         """
         self._executor = executor
-        self._permission = _Permission(executor, skills, senses, phrases)
+        self._permission = _Permission(executor, skills, known, phrases)
         self._skills = skills
         self._announce = announce
         self._phrases = phrases
         self._clock = clock
         self._timer = timer = timer or Deadlines("edgevox-programs", clock)
-        self._senses = senses
+        self._known = known
         self._store = ProgramStore(bus, clock, timer, self.in_words)
         executor.follow(self)
-        self._waits = Waits(self._store, timer, senses, self._fire, self._missed)
+        self._waits = Waits(self._store, timer, known, self._fire, self._missed)
 
     def start(self) -> None:
         self._timer.start()
@@ -287,7 +287,7 @@ class Programs:
             make=partial(self._permission.step, kept),
             announce=self._announce,
             phrases=self._phrases,
-            way_back=self._senses.way_back,
+            way_back=self._known.way_back,
             clock=self._clock,
             on_round=partial(self._round, kept),
         )

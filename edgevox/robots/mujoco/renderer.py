@@ -1,9 +1,11 @@
 """Pictures of a MuJoCo world, for callers on any thread.
 
-`Snapshot` freezes a moment, `Renderer` draws it on a thread of its own, and `Offscreen` is the
-OpenGL context of that thread.
+`RoomCamera` is a camera that stands in the room, declared once for MuJoCo and for readers of the
+pictures. `Snapshot` freezes a moment, `Renderer` draws it on a thread of its own, and `Offscreen`
+is the OpenGL context of that thread.
 """
 
+import math
 from concurrent.futures import CancelledError, ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import TypeAlias
@@ -12,6 +14,8 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+from edgevox.core.transforms import Pose3D
+from edgevox.robots.capabilities import CameraSpec
 from edgevox.robots.mujoco.gl import NoPicture, open_context
 
 
@@ -194,3 +198,49 @@ class Renderer:
         if self._offscreen is not None:
             self._offscreen.close()
             self._offscreen = None
+
+
+PICTURE_PX = (640, 480)
+"""The size of pictures for people."""
+
+Point3 = tuple[float, float, float]
+
+
+@dataclass(frozen=True, slots=True)
+class RoomCamera:
+    """Stands at `position_m` and looks at `target_m` (map frame), upright."""
+
+    name: str
+    position_m: Point3
+    target_m: Point3
+    vertical_fov_rad: float = math.radians(45.0)
+
+    def add_to(self, spec: mujoco.MjSpec) -> None:
+        """Put it into a model that is being built, whose world is the map frame."""
+        axes = self.rotation()
+        quaternion = np.zeros(4)
+        mujoco.mju_mat2Quat(
+            quaternion, np.column_stack([-axes[:, 1], axes[:, 2], -axes[:, 0]]).flatten()
+        )
+        spec.worldbody.add_camera(
+            name=self.name,
+            pos=self.position_m,
+            quat=quaternion,
+            fovy=math.degrees(self.vertical_fov_rad),
+        )
+
+    def rotation(self) -> NDArray[np.float64]:
+        """(3, 3): its forward, left and up axes as columns, map frame."""
+        forward = np.subtract(self.target_m, self.position_m)
+        forward /= np.linalg.norm(forward)
+        left = np.cross([0.0, 0.0, 1.0], forward)
+        left /= np.linalg.norm(left)
+        return np.column_stack([forward, left, np.cross(forward, left)])
+
+    def spec(self, width_px: int, height_px: int) -> CameraSpec:
+        """Return the camera's specification for pictures of this size."""
+        quaternion = np.zeros(4)
+        mujoco.mju_mat2Quat(quaternion, self.rotation().flatten())
+        w, x, y, z = (float(value) for value in quaternion)
+        mount = Pose3D(*self.position_m, x, y, z, w)
+        return CameraSpec(width_px, height_px, self.vertical_fov_rad, mount, "map")

@@ -15,8 +15,7 @@ from edgevox.core.errors import finite
 from edgevox.core.reason import Reason
 from edgevox.core.transforms import Pose3D
 from edgevox.robots.capabilities import CameraImage, CameraSpec, Report
-from edgevox.robots.mujoco.cameras import PICTURE_PX
-from edgevox.robots.mujoco.renderer import Renderer
+from edgevox.robots.mujoco.renderer import PICTURE_PX, Renderer
 from edgevox.robots.panda import table, tasks
 from edgevox.robots.panda.planner import InTheWay, OutOfReach
 from edgevox.robots.panda.scene import CAMERA, SHOW, TCP

@@ -5,7 +5,7 @@ from pathlib import Path
 import mujoco
 
 from edgevox.core.errors import InvalidValue
-from edgevox.robots.mujoco.cameras import RoomCamera
+from edgevox.robots.mujoco.renderer import RoomCamera
 from edgevox.robots.panda import table
 from edgevox.robots.panda.table import BINS, CUBES, Bin, Cube
 

@@ -12,10 +12,18 @@ from edgevox.core.reason import Reason
 from edgevox.core.transforms import rotate
 from edgevox.robots.panda import table
 from edgevox.robots.panda.arm import FINGERS, OPEN_M
-from edgevox.robots.panda.collisions import Touch, touch
 from edgevox.robots.panda.kinematics import READY, HandPose, Joints
 from edgevox.robots.panda.motion import BRISK, CAREFUL, Task
-from edgevox.robots.panda.planner import NOTHING, ArmSegment, InTheWay, OutOfReach, above, spoken
+from edgevox.robots.panda.planner import (
+    NOTHING,
+    ArmSegment,
+    InTheWay,
+    OutOfReach,
+    Touch,
+    above,
+    spoken,
+    touch,
+)
 from edgevox.robots.panda.table import BINS, CUBE_SIZE_M, CUBES, TABLE, Placed
 from edgevox.robots.panda.workcell import Workcell
 

@@ -19,10 +19,9 @@ from edgevox.robots.command_mux import CommandMux
 from edgevox.robots.mujoco.engine import MujocoEngine
 from edgevox.robots.panda import table
 from edgevox.robots.panda.arm import Arm
-from edgevox.robots.panda.collisions import Touch
 from edgevox.robots.panda.kinematics import HandPose, Joints
 from edgevox.robots.panda.motion import ArmMotion, Pace, Task
-from edgevox.robots.panda.planner import NOTHING, ArmPlanner, ArmSegment
+from edgevox.robots.panda.planner import NOTHING, ArmPlanner, ArmSegment, Touch
 from edgevox.robots.panda.scene import LEAD_S, TCP, build
 from edgevox.robots.panda.table import Placed, Things
 from edgevox.robots.sim_loop import BROKE
