@@ -26,7 +26,7 @@ from edgevox.agent.programs.keeper import Programs
 from edgevox.agent.programs.store import Timer
 from edgevox.agent.skills import STOP, Call, SkillSet
 from edgevox.agent.states import StateMachine
-from edgevox.agent.stopping import Stopping
+from edgevox.agent.stop.stopping import Stopping
 from edgevox.agent.text.reasons import because
 from edgevox.agent.turn import InputTiming, Turn
 from edgevox.core.bus import Bus
