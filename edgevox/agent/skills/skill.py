@@ -86,6 +86,8 @@ class SkillPhrases:
     """The action as the end of a question, with the arguments; the first that fits counts."""
     templates: tuple[str, ...] = ()
     """Templates of the sentences that call the skill."""
+    asks: tuple[str, ...] = ()
+    """Templates of the sentences that may call the skill, so that the robot asks first."""
     says: tuple[str, ...] = ()
     """Acknowledgements; the first whose values are all known counts."""
     done: tuple[str, ...] = ()
