@@ -7,8 +7,12 @@ from robot_file_rig import NAMESPACE, Talk, lasting
 FILE = f"""
 namespace: {NAMESPACE}
 state:
-  battery: {{topic: temperature, type: sensor_msgs/msg/Temperature, field: temperature, times: 0.01}}
-  warmth: {{topic: temperature, type: sensor_msgs/msg/Temperature, field: temperature, decimals: 0, unit: degrees}}
+  battery: &thermometer
+    topic: temperature
+    type: sensor_msgs/msg/Temperature
+    field: temperature
+    times: 0.01
+  warmth: {{<<: *thermometer, times: 1.0, decimals: 0, unit: degrees}}
   door:
     topic: door
     type: std_msgs/msg/Bool

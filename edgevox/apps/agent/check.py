@@ -111,13 +111,13 @@ def _conflict(
         return InvalidValue(where, sentence, "another sentence: it answers the robot")
     every, others = heard
     found = every.recognise(sentence)
-    if not isinstance(found, Understood) or found.nearly:
+    if not isinstance(found, Understood) or found.unsure:
         return InvalidValue(where, sentence, UNDERSTOOD)
     if [call.skill for call in found.calls] != [one.name]:
         taken = " and ".join(call.skill for call in found.calls)
         return InvalidValue(where, sentence, f"another sentence: it asks for {taken}")
     also = others.recognise(sentence)
-    if isinstance(also, Understood) and not also.nearly and also.calls[0].skill != STOP:
+    if isinstance(also, Understood) and not also.unsure and also.calls[0].skill != STOP:
         return f"note: {where}: {sentence!r} no longer asks for {also.calls[0].skill}"
     return None
 

@@ -8,7 +8,6 @@ import base64
 import io
 import zlib
 from collections.abc import Callable, Mapping, Sequence
-from contextlib import suppress
 from functools import partial
 from typing import Any, Protocol, runtime_checkable
 
@@ -17,15 +16,15 @@ from numpy.typing import NDArray
 
 from edgevox.agent.policy import Guard
 from edgevox.agent.skills import SkillFailed
-from edgevox.agent.skills.going import TO_POINT
+from edgevox.agent.skills.skill import TO_POINT
 from edgevox.core.commands import Way
 from edgevox.core.errors import InvalidValue
 from edgevox.core.log import get_logger
 from edgevox.core.motion.interlock import Interlock
 from edgevox.core.transforms import Pose2D, to_map
+from edgevox.robots.battery import charge_of
 from edgevox.robots.capabilities import (
     Body,
-    HasBattery,
     HasCamera,
     HasLidar,
     HasPicture,
@@ -169,9 +168,8 @@ def live(body: Body, label: Label) -> dict[str, Any]:
         found["lidar"] = _lidar(body, pose)
     if isinstance(body, InWorld):
         found |= {"path": path(body), "furniture": pushed(body, label)}
-    if isinstance(body, HasBattery):
-        with suppress(SkillFailed):  # not told yet
-            found["battery"] = {"level": round(body.battery(), 4)}
+    if (charge := charge_of(body)) is not None:
+        found["battery"] = {"level": round(charge, 4)}
     if isinstance(body, HasJoints):
         found["joints"] = [
             {"name": name, "value": round(angle, 4), "lower": low, "upper": high}
