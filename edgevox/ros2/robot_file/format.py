@@ -1,18 +1,6 @@
 """What a robot file may hold: a robot, its limits and places, and its skills.
 
-namespace: /cleaner
-skills:
-  clean_room:
-    description: Clean a room.
-    action: {name: clean, type: cleaner_msgs/action/Clean}
-    request: {room: "{room}", passes: "{passes}"}
-
-Arguments:
-      room: {type: choice, values: [hall, office]}
-      passes: {type: integer, min: 1, max: 3, default: 1}
-    sentences: ["clean [the] {room} [{passes} times]"]
-    says: Cleaning the {room}.
-    done: The {room} is clean.
+`examples/robot_file/cleaner.yaml` has a skill of every kind.
 """
 
 from collections.abc import Mapping

@@ -1,5 +1,7 @@
 """`--check` of a robot file: all that is wrong, what is off, and sentences that can never work."""
 
+from pathlib import Path
+
 import pytest
 
 from edgevox.apps.agent.check import check_robot
@@ -10,6 +12,7 @@ from edgevox.core.settings import Settings
 
 CALL = "call: {name: honk, type: std_srvs/srv/Trigger}"
 EXTERNAL = "robot-external"
+PAGE = Path(__file__).parents[3] / "docs" / "your-robot.md"
 
 
 def written(tmp_path, text):
@@ -114,3 +117,10 @@ def test_an_exact_sentence_wins_over_a_drive_and_the_check_tells(tmp_path, capsy
     assert [line.partition(": ")[0] for line in told] == ["note", "note"]
     assert "'go to the kitchen' no longer asks for navigate_to" in told[0]
     assert "skills.honk.languages.de.sentences.0: 'fahr in die Küche'" in told[1]
+
+
+@pytest.mark.parametrize("part", ["state", "sentences-that-work"])
+def test_what_the_page_shows_is_well(tmp_path, capsys, part):
+    parts = PAGE.read_text("utf-8").split("\n### ")
+    (shown,) = (one for one in parts if one.partition("\n")[0].lower().replace(" ", "-") == part)
+    assert checked(tmp_path, capsys, shown.split("```yaml\n")[1].split("```")[0]) == (True, [])
