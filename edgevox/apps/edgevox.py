@@ -16,6 +16,8 @@ DOCTOR = "doctor"
 """The first argument that asks for the doctor instead."""
 LISTEN = "listen"
 """The first argument that shows what is heard instead."""
+INTERFACES = "interfaces"
+"""The first argument that builds a robot's interfaces instead."""
 STATE = "state"
 """The first argument that exports or imports what a robot keeps instead."""
 OF_ROBOTS = FOR_BODIES | {
@@ -41,6 +43,10 @@ def main(argv: Sequence[str] | None = None) -> int:
         from edgevox.apps.doctor.command import main as doctor
 
         return doctor(given[1:], f"edgevox {DOCTOR}")
+    if given[:1] == [INTERFACES]:
+        from edgevox.apps.interfaces import main as interfaces
+
+        return interfaces(given[1:])
     if given[:1] == [STATE]:
         from edgevox.apps.state import main as state
 
@@ -69,6 +75,7 @@ def _parser() -> argparse.ArgumentParser:
         prog="edgevox",
         description="A voice agent to talk to. edgevox-agent is one with a robot's body;"
         " edgevox listen shows what a microphone hears; edgevox doctor checks this machine;"
+        " edgevox interfaces builds a robot's ROS 2 interfaces;"
         " edgevox state moves what a robot keeps to another computer.",
         epilog="Settings come from a --config file, then EDGEVOX_* variables, then these flags.",
     )

@@ -43,7 +43,8 @@ def interface(name: str, kind: Kind) -> Any:
         module = import_module(f"{package}.{kind}")
     except ImportError as error:
         raise InterfaceMissing(
-            f"{package} cannot be imported ({error}): source the workspace that has it"
+            f"{package} cannot be imported ({error}): source the workspace that has it, "
+            "or build it with edgevox interfaces"
         ) from error
     found = getattr(module, bare, None)
     if found is None:
