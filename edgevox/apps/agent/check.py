@@ -29,7 +29,7 @@ from edgevox.core.settings import Settings
 from edgevox.robots.capabilities import Body, FromFile
 
 SHORT = 60
-"""A longer template shows nobody what to say."""
+"""Instead of a longer template, one of its sentences is shown."""
 
 
 def check_robot(body: Body, settings: Settings) -> bool:
@@ -47,8 +47,9 @@ def check_robot(body: Body, settings: Settings) -> bool:
     english = phrasebook(ENGLISH)
     show(f"{body.name} has {len(skills)} skills:")
     for one in skills:
-        templates = map(english.written_out, english.templates(one))
+        templates = [english.written_out(template) for template in english.templates(one)]
         said = [sentence for sentence in templates if len(sentence) <= SHORT]
+        said += [_plainest(template, one, english) for template in templates[:1]]
         show(one_line(f"  {one.name}: {one.description} {said[0] if said else ''}".rstrip()))
     for text in strange_names(guard, skills):
         show(one_line(f"the policy names what the robot has not: {text}"))
@@ -128,6 +129,21 @@ def _samples(template: str, one: Skill, book: Phrasebook) -> Iterator[str]:
     expression = parse_sentence(book.written_out(template)).expression
     for sentence in _sentences(expression, values)[:MOST_SAMPLES]:
         yield " ".join(sentence.split())
+
+
+def _plainest(template: str, one: Skill, book: Phrasebook) -> str:
+    """A sentence of a template without what may be left out."""
+    values = {name: _values(name, one, book) for name in one.arguments_model.model_fields}
+
+    def said(part: Expression) -> str:
+        match part:
+            case Alternative():
+                return "" if part.is_optional else said(part.items[0])
+            case Group():
+                return "".join(map(said, part.items))
+        return _sentences(part, values)[0]
+
+    return " ".join(said(parse_sentence(template).expression).split())
 
 
 def _values(name: str, one: Skill, book: Phrasebook) -> list[str]:

@@ -106,10 +106,29 @@ def parse_yaml(text: str, name: str) -> Any:
             raise InvalidValue(name, text[:200], "aliases that do not multiply")
     except _KeyTwice as error:
         raise InvalidValue(name, error.key, error.expected) from None
+    except yaml.MarkedYAMLError as error:
+        raise _no_yaml(error, text, name) from None
     except (yaml.YAMLError, RecursionError, ValueError) as error:
         reason = " ".join(str(error).split())
         raise InvalidValue(name, text[:200], f"valid YAML ({reason[:300]})") from None
     return data
+
+
+def _no_yaml(error: yaml.MarkedYAMLError, text: str, name: str) -> InvalidValue:
+    """The error of a text that is no YAML, at the line where its reader gave up."""
+    mark = error.problem_mark or error.context_mark
+    lines = text.splitlines()
+    if mark is None or mark.line >= len(lines):
+        return InvalidValue(name, text[:200], f"valid YAML ({error.problem or error.context})")
+    line, at = lines[mark.line], mark.column
+    advice = "; quote a text with any of { } [ ] , # or a colon" if _SIGNS.search(line) else ""
+    shown = line[max(0, at - 60) : at + 60].strip()
+    reason = f"valid YAML ({error.problem}, column {at + 1}){advice}"
+    return InvalidValue(f"{name}:{mark.line + 1}", shown, reason)
+
+
+_SIGNS = re.compile(r"[{}\[\],#]|: .*:")
+"""Signs that mean something in YAML."""
 
 
 def _open_at_once(text: str) -> int:

@@ -68,9 +68,11 @@ def check_words(
                     problems.found.append(wrong)
                 continue
             for value in words:
-                if value in (OTHER, *known.constants.get(name, ())):
+                constants = known.constants.get(name, {})
+                if value in (OTHER, *constants):
                     continue
                 if expected := _unlike(kinds[name], value):
+                    expected += ", or a constant: " * bool(constants) + ", ".join(constants)
                     problems.found.append(file.wrong((*where, value), value, expected))
         for key in _FORMATTED:
             with problems.collect():

@@ -29,6 +29,7 @@ from edgevox.ros2.robot_file.steps import (
     Topic,
     Wait,
     Word,
+    Written,
     at_most,
     one_way,
     wanted_instead,
@@ -335,7 +336,12 @@ class RobotFile(Part):
 
     name: str = Field("", max_length=100, description="the robot's name")
     description: str = Field("", max_length=500, description="its purpose, in a sentence")
-    namespace: str = Field("/", pattern=r"^/([A-Za-z][A-Za-z0-9_]*(/[A-Za-z][A-Za-z0-9_]*)*)?$")
+    namespace: Annotated[
+        str,
+        Written(
+            r"^/([A-Za-z][A-Za-z0-9_]*(/[A-Za-z][A-Za-z0-9_]*)*)?$", "a namespace such as /robot1"
+        ),
+    ] = "/"
     drives: bool = Field(
         True, description="false for an arm, a lift and other robots that stay in place"
     )

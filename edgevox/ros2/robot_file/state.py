@@ -20,7 +20,7 @@ from edgevox.ros2.messages import interface_profile
 from edgevox.ros2.robot_file.format import BATTERY, Need, RobotFile, SkillEntry, StateEntry
 from edgevox.ros2.robot_file.live import compares, value_of
 from edgevox.ros2.robot_file.messages import InterfaceMissing, constant
-from edgevox.ros2.robot_file.plan import PlannedState, Planner
+from edgevox.ros2.robot_file.plan import ANY, PlannedState, Planner
 from edgevox.ros2.robot_file.steps import Step
 
 
@@ -113,7 +113,9 @@ def questions(robot: RobotFile, planned: Mapping[str, PlannedState]) -> dict[str
     return {
         name: _question(name, robot.state[name])
         for name, one in planned.items()
-        if name != BATTERY and (robot.state[name].done or one.value_type != "boolean")
+        if name != BATTERY
+        and one.value_type != ANY
+        and (robot.state[name].done or one.value_type != "boolean")
     }
 
 

@@ -3,11 +3,21 @@
 Which values an argument of a robot file may have; a default has to be one.
 """
 
+import re
 from collections.abc import Collection, Mapping, Sized
 from math import isfinite
 from typing import Annotated, Any
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_validator
+from pydantic import (
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    GetCoreSchemaHandler,
+    GetJsonSchemaHandler,
+    model_validator,
+)
+from pydantic_core import core_schema
 
 from edgevox.core.files.validation import Place, wrong
 
@@ -18,9 +28,41 @@ MOST_A_SECOND = 50.0
 
 Number = Annotated[float, Field(strict=True, allow_inf_nan=False)]
 Word = Annotated[str, Field(min_length=1, max_length=100)]
-Name = Annotated[str, Field(pattern=r"^[a-z][a-z0-9_]{0,39}$")]
+
+
+class Written:
+    """A text that matches a pattern; where it does not, `what` says what is expected."""
+
+    def __init__(self, pattern: str, what: str) -> None:
+        self._pattern, self._what = pattern, what
+
+    def __get_pydantic_core_schema__(
+        self, source: Any, handler: GetCoreSchemaHandler
+    ) -> core_schema.CoreSchema:
+        return core_schema.no_info_after_validator_function(self._check, handler(source))
+
+    def __get_pydantic_json_schema__(
+        self, schema: core_schema.CoreSchema, handler: GetJsonSchemaHandler
+    ) -> dict[str, Any]:
+        return {**handler(schema), "pattern": self._pattern}
+
+    def _check(self, text: str) -> str:
+        if re.fullmatch(self._pattern, text) is None:
+            raise ValueError(self._what)
+        return text
+
+
+Name = Annotated[
+    str,
+    Written(
+        r"^[a-z][a-z0-9_]{0,39}$",
+        "a name of at most 40 lower-case letters, digits and underscores, such as raise_arm",
+    ),
+]
 """A name in the file: lower case, digits and underscores."""
-GraphName = Annotated[str, Field(pattern=r"^~?/?[A-Za-z][A-Za-z0-9_/]{0,254}$")]
+GraphName = Annotated[
+    str, Written(r"^~?/?[A-Za-z][A-Za-z0-9_/]{0,254}$", "a name on the graph such as arm/raise")
+]
 """A topic, service or action; relative to the robot's namespace unless it begins with a slash."""
 
 

@@ -38,6 +38,13 @@ def test_a_file_of_which_all_can_work_is_well(tmp_path, capsys):
     assert checked(tmp_path, capsys, text) == (True, [])
 
 
+def test_a_skill_of_long_templates_is_shown_by_its_plainest_sentence(tmp_path, capsys):
+    long = "[please|could you please] (sound|honk|blow) [the] (horn|hooter|klaxon) [once|right now]"
+    file = written(tmp_path, skills(("honk", f"sentences: ['{long}']")))
+    assert main([EXTERNAL, "--robot-file", str(file), "--check"]) == 0
+    assert "  honk: Do it. sound horn\n" in capsys.readouterr().out
+
+
 def test_all_that_is_wrong_with_a_file_is_told_at_once_by_line(tmp_path, capsys):
     text = skills(
         ("two", "colour: red"),
