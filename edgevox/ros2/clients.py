@@ -299,9 +299,13 @@ class TopicListener(InterfaceClient):
         qos = interface_profile(latched=latched, heard=True)
         node.create_subscription(kind, name, self._newest.take, qos)
 
+    def newest(self, oldest_s: float = READ_S) -> Any:
+        """The newest message, if it is no older, or latched; else None."""
+        return self._newest.young(float("inf") if self._latched else oldest_s)
+
     def latest(self, token: CancelToken, timeout_s: float, oldest_s: float = READ_S) -> Any:
         """The newest message, if it is no older, else the next. Raises `SkillFailed`."""
-        message = self._newest.young(float("inf") if self._latched else oldest_s)
+        message = self.newest(oldest_s)
         if message is not None:
             return message
         try:
@@ -326,7 +330,7 @@ class TopicListener(InterfaceClient):
         def known() -> Sequence[Any]:
             if since_s is not None and not self._latched:
                 return self._newest.since(since_s)
-            newest = self._newest.young(float("inf") if self._latched else oldest_s)
+            newest = self.newest(oldest_s)
             return () if newest is None else (newest,)
 
         try:

@@ -348,8 +348,8 @@ class ExternalRobot:
         token: CancelToken,
     ) -> ExternalMotion:
         """Begin a motion, unless a stop came before; what takes goals is known by then."""
-        self._states.check_driving()
         stops = self._stops
+        self._states.check_driving(token)
         backend = robot_node.choose(token)
         with self._lock:
             if self._stops != stops:

@@ -96,7 +96,7 @@ class DescribedSkill:
         live = self._live
         if live is None:
             raise SkillFailed(agent_because("switched_off"))
-        self.states.check(self.entry.needs)
+        self.states.check(self.entry.needs, goal.token)
         try:
             results = run_skill(live, goal, meanings(self.entry.arguments, arguments))
             self._check_said(results)

@@ -11,12 +11,12 @@ from typing import Any
 from rclpy.node import Node
 
 from edgevox.agent.skills import SkillFailed
+from edgevox.core.cancel import CancelToken
 from edgevox.core.clock import Clock
 from edgevox.core.files.validation import Place, Problems
 from edgevox.core.files.yaml_file import YamlFile
 from edgevox.core.reason import Reason
-from edgevox.ros2.clients import READ_S, Newest, interface_reason
-from edgevox.ros2.messages import interface_profile
+from edgevox.ros2.clients import THERE_S, TopicListener, interface_reason
 from edgevox.ros2.robot_file.format import BATTERY, Need, RobotFile, SkillEntry, StateEntry
 from edgevox.ros2.robot_file.live import compares, value_of
 from edgevox.ros2.robot_file.messages import InterfaceMissing, constant
@@ -29,27 +29,18 @@ class RobotStates:
 
     def __init__(self, planned: Mapping[str, PlannedState], driving: Sequence[Need] = ()) -> None:
         self._planned, self._driving = planned, driving
-        self._newest: Mapping[str, Newest] = {}
+        self._heard: Mapping[str, TopicListener] = {}
 
     def open(self, node: Node, clock: Clock) -> None:
         """Listen on this node, which is not yet spun."""
-        newest = {name: Newest(clock) for name in self._planned}
-        for name, one in self._planned.items():
-            qos = interface_profile(latched=one.entry.latched, heard=True)
-            node.create_subscription(one.type, one.entry.topic, newest[name].take, qos)
-        self._newest = newest
+        self._heard = {
+            name: TopicListener(node, one.type, one.entry.topic, clock, latched=one.entry.latched)
+            for name, one in self._planned.items()
+        }
 
     def close(self) -> None:
         """The node is gone, and nothing is known."""
-        self._newest = {}
-
-    def value(self, name: str) -> Any:
-        """Return a value of the last 5 s; None if there is none."""
-        if name not in self._newest:
-            return None
-        one = self._planned[name]
-        message = self._newest[name].young(float("inf") if one.entry.latched else READ_S)
-        return None if message is None else value_of(message, one.entry.value)
+        self._heard = {}
 
     @property
     def has_battery(self) -> bool:
@@ -58,26 +49,44 @@ class RobotStates:
 
     def battery(self) -> float:
         """The charge, from 0 to 1. Raises `SkillFailed` while it is not known."""
-        value = self.value(BATTERY)
+        message = self._heard[BATTERY].newest() if BATTERY in self._heard else None
+        value = None if message is None else self._value(BATTERY, message)
         if not isinstance(value, int | float) or not isfinite(value):
             raise SkillFailed(interface_reason("unheard", what=BATTERY))
         return min(1.0, max(0.0, float(value)))
 
-    def check_driving(self) -> None:
-        """Raise `SkillFailed` for the first need of driving that is not met."""
-        self.check(self._driving)
+    def check_driving(self, token: CancelToken) -> None:
+        """Raise as `check` does for what driving needs."""
+        self.check(self._driving, token)
 
-    def check(self, needs: Sequence[Need]) -> None:
-        """Raise `SkillFailed` for the first of these that is not met, or not known."""
+    def check(self, needs: Sequence[Need], token: CancelToken) -> None:
+        """Raise `SkillFailed` for the first of these that is not met, or not known within seconds.
+
+        Raises `Cancelled`, too.
+        """
         for need in needs:
-            value = self.value(need.state)
-            if value is None:
-                raise SkillFailed(interface_reason("unheard", what=need.state))
+            value = self._awaited(need.state, token)
             wanted = constant(self._planned[need.state].owner, need.equals)
             if not compares(value, need, wanted):
                 told = {code: text for code, text in need.languages.items() if text}
                 told["en"] = need.failed
                 raise SkillFailed(Reason(need.failed, "not_now", {}, told, is_sentence=True))
+
+    def _awaited(self, name: str, token: CancelToken) -> Any:
+        """A value, as soon as one is heard: the robot may have been found just now."""
+        unheard = SkillFailed(interface_reason("unheard", what=name))
+        if name not in self._heard:
+            raise unheard
+        try:
+            value = self._value(name, self._heard[name].latest(token, THERE_S))
+        except SkillFailed:
+            raise unheard from None
+        if value is None:
+            raise unheard
+        return value
+
+    def _value(self, name: str, message: Any) -> Any:
+        return value_of(message, self._planned[name].entry.value)
 
 
 NO_STATES = RobotStates({})
