@@ -31,10 +31,13 @@ from edgevox.agent.text.words import (
     worded,
 )
 from edgevox.core.files.json_reader import is_number
+from edgevox.core.files.text import one_form
 from edgevox.core.files.yaml_file import value_key
 from edgevox.core.reason import Named, Reason
 
 _RULE = re.compile(r"<(\w+)>")
+_PLAIN_WORD = re.compile(r"(?<![\w{<:'\u2019])[^\W\d_]+(?![\w'\u2019])")
+"""A word of a template that is no name of a slot or a rule."""
 _SLOT = re.compile(r"\{(?:\w+:)?(\w+)\}")
 
 
@@ -292,6 +295,24 @@ class Phrasebook:
     def written_out(self, template: str) -> str:
         """A template without the names of rules."""
         return written_out(template, self.rules)
+
+    def with_any_length(self, template: str) -> str:
+        """A template that says metres, by any word for them, for all units of length.
+
+        What is heard in other units has become metres by one certain word.
+        """
+        lengths = self.numbers.lengths
+        if lengths is None or not self.hearing.spaced:
+            return template
+        metre = next((one for one, length in lengths.units if length == 1.0), None)
+        usual = self.rules.get("metres", lengths.metres)
+
+        def widened(found: re.Match[str]) -> str:
+            said = found[0]
+            is_metre = metre is not None and metre.fullmatch(one_form(said))
+            return f"({said}|{lengths.metres}|{usual})" if is_metre else said
+
+        return _PLAIN_WORD.sub(widened, template)
 
     def examples(self, one: Skill) -> Sequence[Example]:
         """Examples of a skill for a language model; English ones for words unknown here."""

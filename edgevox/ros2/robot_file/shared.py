@@ -84,7 +84,7 @@ class _Shared:
         for index, one in enumerate(found):
             with self._problems.collect():
                 rules = _Rules(self._robot, self._file, code, (*at, "sentences", index))
-                found[index] = rules.out(one)
+                found[index] = phrasebook(code).with_any_length(rules.out(one))
         return found
 
 

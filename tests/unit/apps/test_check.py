@@ -4,6 +4,8 @@ from pathlib import Path
 
 import pytest
 
+from edgevox.agent.nlu.templates import Recogniser
+from edgevox.agent.skills import Call, SkillSet
 from edgevox.apps.agent.check import check_robot
 from edgevox.apps.agent.main import main
 from edgevox.apps.robots import build_body
@@ -104,6 +106,10 @@ def test_a_number_with_a_unit_that_is_heard_otherwise_is_told(tmp_path, capsys):
         " sentences: ['lift {x} UNIT']}}"
     )
     assert checked(tmp_path, capsys, text.replace("UNIT", "metres"))[0]
+    for said in ("lift 10 centimetres", "lift 0.1 m", "lift 0.1 metres"):
+        settings = Settings(robot_file=written(tmp_path, text.replace("UNIT", "(metre|m)")))
+        lift = SkillSet(build_body(EXTERNAL, settings, 0.0).skills)
+        assert Recogniser(lift).recognise(said).calls == (Call("lift", {"x": 0.1}),)
     well, (line,) = checked(tmp_path, capsys, text.replace("UNIT", "centimetres"))
     assert not well
     assert "'lift 1 centimetres'" in line
