@@ -21,6 +21,7 @@ from edgevox.agent.text.spelling import key
 from edgevox.agent.text.words import (
     Word,
     as_part,
+    as_sentence,
     bare,
     fields,
     in_brackets,
@@ -418,7 +419,7 @@ class Phrasebook:
 
     def _because(self, sentence: str, reason: Reason) -> str:
         said = self.reason(reason)
-        return said if reason.is_sentence else self.say(sentence, reason=bare(said))
+        return as_sentence(said) if reason.is_sentence else self.say(sentence, reason=bare(said))
 
     def _about(self, name: str, value: Any, said: str) -> Word | str:
         if name == "argument":

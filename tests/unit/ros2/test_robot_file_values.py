@@ -132,6 +132,8 @@ def test_the_robots_own_reason_is_said_and_nothing_stands_before_it():
     assert str(reason) == "The base says: no dock."
     assert phrasebook("en").failure(reason) == "The base says: no dock."
     assert phrasebook("de").failure(reason) == "The base says: no dock."
+    bare = failure_of(entry("The base says: {why}"), Reason("x", "refused"), {"why": "no dock"})
+    assert phrasebook("en").failure(bare) == "The base says: no dock."
 
 
 def test_a_failure_is_told_by_the_usual_reason_where_the_robot_gives_none():
