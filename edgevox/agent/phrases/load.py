@@ -84,6 +84,7 @@ def _hearing(data: Mapping[str, Any], *, spaced: bool) -> Hearing:
         unfinished=tuple(map(key, data.get("unfinished", ()))),
         goes_on=tuple(data.get("goes_on", ())),
         hesitations=tuple(data.get("hesitations", ())),
+        back_channels=tuple(data.get("back_channels", ())),
         openers=tuple(data.get("openers", ())),
     )
 
