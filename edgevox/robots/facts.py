@@ -247,7 +247,13 @@ def _motion(body: Body) -> Sequence[Skill]:
         goal.token.check()
         return {"limit": body.max_linear_m_s} if isinstance(body, TakesVelocity) else {}
 
-    return how_fast, top_speed
+    @skill(moves=False)
+    def compass(goal: GoalHandle) -> Result:
+        """Say that the robot has no compass, also to one who asks it to face north."""
+        goal.token.check()
+        return {}
+
+    return how_fast, top_speed, compass
 
 
 def _senses(body: Body) -> Sequence[Skill]:

@@ -40,6 +40,8 @@ class Nobody:
     def battery(self) -> float:
         return 0.5
 
+    def turn(self, angle_rad: float, **_: object) -> None: ...
+
 
 MEMORY = PlaceMemory("apartment", OneOf(tuple(Nobody.places), {"fridge": "kitchen"}))
 BODIES: Mapping[str, SkillSet] = {

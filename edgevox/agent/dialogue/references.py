@@ -70,6 +70,11 @@ class References:
         x, y = round(start.x_m, _CENTIMETRES), round(start.y_m, _CENTIMETRES)
         return (Call(TO_POINT, {"x": x, "y": y}),)
 
+    def may_reverse(self) -> bool:
+        """True if "go back" may ask for the reverse of the last motion: it went by an amount."""
+        moved = self._dialogue.moved()
+        return moved is not None and self._skills[moved.skill].relative
+
     def other(self) -> Sequence[Call]:
         """The last calls with the other word, if there is one choice between just two words."""
         calls = self.again()

@@ -142,6 +142,7 @@ def _skill_phrases(data: Mapping[str, Any]) -> SkillPhrases:
         can=data.get("can", ""),
         actions=_several(data.get("action", ())),
         templates=(*data.get("templates", ()), *data.get("more", ())),
+        asks=tuple(data.get("asks", ())),
         says=_several(data.get("says", ())),
         done=_several(data.get("done", ())),
         examples=tuple(Example(one.pop("sentence"), one) for one in examples),

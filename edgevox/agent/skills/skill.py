@@ -88,6 +88,8 @@ class SkillPhrases:
     """The action as the end of a question, with the arguments; the first that fits counts."""
     templates: tuple[str, ...] = ()
     """Templates of the sentences that call the skill."""
+    asks: tuple[str, ...] = ()
+    """Templates of the sentences that may call the skill, so that the robot asks first."""
     says: tuple[str, ...] = ()
     """Acknowledgements; the first whose values are all known counts."""
     done: tuple[str, ...] = ()
@@ -143,6 +145,8 @@ class Skill:
     it in different ways. A language without that entry uses the one with the skill's name."""
     confirm: bool = False
     """True if it always needs a yes, as if the policy wanted that."""
+    plainly: bool = False
+    """True if only its templates ask for it: no other words are read as it."""
 
     @property
     def drives(self) -> bool:
@@ -221,6 +225,7 @@ def skill(
     towards_rad: float = 0.0,
     lasting: bool = False,
     entry: str = "",
+    plainly: bool = False,
 ) -> Callable[[Callable[..., Result | None]], Skill]:
     """Turn a function into a `Skill`; see the module's docstring."""
 
@@ -242,6 +247,7 @@ def skill(
             towards_rad=towards_rad,
             lasting=lasting,
             entry=entry,
+            plainly=plainly,
         )
 
     return decorate

@@ -83,9 +83,11 @@ def _beside_server(settings: Settings, on_board: LanguageModel | None) -> Langua
         settings.llm_endpoint_model,
         settings.llm_endpoint_timeout,
         settings.llm_endpoint_key_file,
-        settings.llm_endpoint_grammar,
     )
-    return FallbackModel(EndpointModel(server, context_tokens=settings.llm_context), on_board)
+    shared = EndpointModel(
+        server, dialect=settings.llm_endpoint_grammar, context_tokens=settings.llm_context
+    )
+    return FallbackModel(shared, on_board)
 
 
 def _load(settings: Settings, weights: Path) -> LanguageModel:

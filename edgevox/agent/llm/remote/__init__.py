@@ -4,7 +4,7 @@
 """
 
 from edgevox.agent.llm.remote.fallback import FallbackModel
-from edgevox.agent.llm.remote.protocol import Address
 from edgevox.agent.llm.remote.remote_model import EndpointModel
+from edgevox.core.servers.address import Address
 
 __all__ = ["Address", "EndpointModel", "FallbackModel"]

@@ -1,93 +1,23 @@
-"""The OpenAI protocol: a server's address and offer, the form of a request, and errors.
+"""The OpenAI protocol: a server's offer, and the form of a request.
 
-An error says by its class what helps: a second attempt, another request, or nothing.
+Servers differ in which fields they take; a request that is refused for one is sent without it.
 """
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
-from urllib.parse import urlsplit
 
-from edgevox.agent.llm.language_model import ChatMessage, ModelBusy, ModelFailed
-from edgevox.core.files.user_file import regular
+from edgevox.agent.llm.language_model import ChatMessage
+from edgevox.core.servers.address import Address
+from edgevox.core.servers.offer import first_that, listed
 from edgevox.core.settings import GrammarDialect
-
-
-class Unreachable(ModelFailed):
-    """The server cannot be reached or serve now; a second attempt may succeed."""
-
-
-class Unusable(ModelFailed):
-    """The server answers wrongly, and would answer the same request the same way."""
-
-
-class RequestRefused(ModelFailed):
-    """The server refused this request, perhaps as too long; it may serve others."""
-
-
-_OF_THE_REQUEST = (400, 413, 422)
-_FOR_NOW = (408, 425)
-_FULL, _AWAY = 429, 503
-
-
-def by_status(status: int, route: str, said: str, *, later: bool = False) -> ModelFailed:
-    """The error that an HTTP status other than 200 stands for.
-
-    `later` is whether the server says when to come again, by which a 503 means that it is full and
-    not that it is gone. A full one is not tried again: who waits in its queue would wait twice.
-    """
-    message = f"{route} answered {status}: {said}"
-    if status == _FULL or (status == _AWAY and later):
-        return ModelBusy(message)
-    if status in _OF_THE_REQUEST:
-        return RequestRefused(message)
-    return Unreachable(message) if status in _FOR_NOW or status >= 500 else Unusable(message)
-
 
 _OWNERS: Mapping[str, GrammarDialect] = {"llamacpp": "llama-server", "vllm": "vllm"}
 """What servers call themselves in their list of models."""
-_LONGEST_KEY = 4096
-
-
-@dataclass(frozen=True, slots=True)
-class Address:
-    """One server. `url` is its root or its ``/v1``; an empty `model` is the first that it offers.
-
-    `timeout_s` is the longest wait for the first token, attempts and pauses included, and for each
-    later one. The key is read from its file for every request, so that it can be renewed.
-    """
-
-    url: str
-    model: str = ""
-    timeout_s: float = 10.0
-    key_file: Path | None = None
-    dialect: GrammarDialect = "auto"
-
-    @property
-    def host(self) -> str:
-        """What to call it in a log."""
-        return urlsplit(self.url).netloc
-
-    def route(self, name: str) -> str:
-        """The address of one of its services."""
-        root = self.url.rstrip("/")
-        return f"{root}/{name}" if root.endswith("/v1") else f"{root}/v1/{name}"
-
-    def headers(self) -> dict[str, str]:
-        """What goes with every request. Raises `Unusable` if there is no key to be had."""
-        # What is compressed could be small on the wire and fill the memory.
-        plain = {"Accept-Encoding": "identity", "Connection": "close"}
-        if self.key_file is None:
-            return plain
-        try:
-            with open(self.key_file, encoding="ascii", opener=regular) as file:
-                key = file.read(_LONGEST_KEY + 1).strip()
-        except (OSError, UnicodeDecodeError):
-            raise Unusable(f"llm_endpoint_key_file: {self.key_file} cannot be read") from None
-        if not 0 < len(key) <= _LONGEST_KEY or not key.isprintable() or " " in key:
-            raise Unusable(f"llm_endpoint_key_file: {self.key_file} does not hold one key")
-        return plain | {"Authorization": f"Bearer {key}"}
+_NO_THOUGHTS = {"chat_template_kwargs": {"enable_thinking": False}}
+"""A robot's answer must not wait for a thousand tokens of reasoning, where a template can do so."""
+_OTHER_NAMES = {"max_tokens": "max_completion_tokens"}
+_DISPENSABLE = ("temperature", "chat_template_kwargs", "cache_prompt")
 
 
 @dataclass(frozen=True, slots=True)
@@ -98,15 +28,15 @@ class Offer:
     dialect: GrammarDialect
 
 
-def read_offer(reply: Any, address: Address) -> Offer:
-    """From the server's list of models. Raises `Unusable` if it is none."""
-    try:
-        first = reply["data"][0]
-        model, owner = str(first["id"]), str(first.get("owned_by", ""))
-    except (KeyError, IndexError, TypeError, AttributeError):
-        raise Unusable(f"{address.host} does not say which models it has") from None
-    found = _OWNERS.get(owner, "none") if address.dialect == "auto" else address.dialect
-    return Offer(address.model or model, found)
+def read_offer(reply: Any, address: Address, dialect: GrammarDialect = "auto") -> Offer:
+    """From the server's list of models: the named one, else the first that chats.
+
+    Raises `Unusable` if it is no list, or if none of its models chats.
+    """
+    entry = listed(reply, address)[0] if address.model else first_that("chat", reply, address)
+    owner = str(entry.get("owned_by", ""))
+    found = _OWNERS.get(owner, "none") if dialect == "auto" else dialect
+    return Offer(address.model or str(entry["id"]), found)
 
 
 def chat_request(
@@ -120,6 +50,8 @@ def chat_request(
         "stream": True,
         "temperature": 0.0,
     }
+    if offer.dialect != "none":
+        request |= _NO_THOUGHTS
     match offer.dialect if grammar is not None else "none":
         case "llama-server":
             request |= {"grammar": grammar, "cache_prompt": True}
@@ -128,3 +60,16 @@ def chat_request(
         case "vllm-guided":
             request |= {"guided_grammar": grammar}
     return request
+
+
+def refused_field(request: Mapping[str, Any], said: str) -> str:
+    """The field of a request that a refusal names, if the request can do without; else empty."""
+    fields = (*_OTHER_NAMES, *_DISPENSABLE)
+    return next((one for one in fields if one in request and one in said), "")
+
+
+def without_fields(request: Mapping[str, Any], refused: frozenset[str]) -> dict[str, Any]:
+    """The request without these fields, or with their other names."""
+    kept = {name: value for name, value in request.items() if name not in refused}
+    renamed = {_OTHER_NAMES[one]: request[one] for one in refused & _OTHER_NAMES.keys()}
+    return kept | renamed
