@@ -141,7 +141,7 @@ def test_it_says_what_it_is(about):
 
 def test_a_container_with_one_processor_computes_with_one_thread(inside):
     """Whatever the machine has: threads that are not paid for stop those that are."""
-    asked = "from edgevox.agent.llm.tuning import default_threads as threads; import os; "
+    asked = "from edgevox.agent.llm.weights import default_threads as threads; import os; "
     asked += "print(threads(), len(os.sched_getaffinity(0)), os.environ['OMP_NUM_THREADS'])"
     threads, cores, openmp = inside("python3", "-c", asked, options=("--cpus=1",)).split()
     assert (threads, openmp) == ("1", "1")

@@ -18,7 +18,7 @@ from edgevox.core.events import (
     TokenGenerated,
     TurnMeasured,
 )
-from edgevox.ops.logs.limit import MOST_LINES
+from edgevox.ops.logs.setup import MOST_LINES
 
 ROOMS_SAID = "kitchen, living room, bedroom and office"
 UNKNOWN_ROOM = phrases.said("unknown_word", argument="room", said="garage", known=ROOMS_SAID)

@@ -10,7 +10,7 @@ from edgevox.agent.llm.chat.prompt import MOST_LEARNED
 from edgevox.agent.llm.remote.gbnf import Matcher
 from edgevox.agent.nlu.templates import Recogniser, RefusedCommand, Understood
 from edgevox.agent.skills import Call, SkillSet, skill
-from edgevox.agent.skills.choices import OneOf
+from edgevox.agent.skills.skill import OneOf
 from edgevox.core.errors import InvalidValue
 
 
