@@ -9,7 +9,7 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
-from guards import HUNG_S
+from guards import HUNG_S, run_program
 from peer import RELIABLE, SENSOR, STATE
 from std_msgs.msg import String
 from waiting import wait_until
@@ -95,12 +95,7 @@ def robot(agent, peer):
 
 def run(name: str, *arguments: str, namespace: str = "/edgevox") -> tuple[int, str, str]:
     """An example that does one thing: its exit code, output and errors."""
-    done = subprocess.run(
-        command(name, *arguments, namespace=namespace),
-        capture_output=True,
-        text=True,
-        timeout=HUNG_S,
-    )
+    done = run_program(command(name, *arguments, namespace=namespace))
     return done.returncode, done.stdout, done.stderr
 
 
