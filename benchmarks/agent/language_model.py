@@ -14,8 +14,8 @@ from typing import Any
 
 from benchmarks.core.figures import Figure, Measured, NotHere
 from edgevox.agent.llm import weights
-from edgevox.agent.llm.chat.grammar import grammar
 from edgevox.agent.llm.factory import load_model
+from edgevox.agent.llm.grammar import grammar
 from edgevox.agent.llm.language_model import CONTEXT_TOKENS, ChatMessage, LanguageModel, ModelFailed
 from edgevox.agent.nlu.interpreter import ANSWER_TOKENS, Interpreter
 from edgevox.agent.skills import NO_SKILLS

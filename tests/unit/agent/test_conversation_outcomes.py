@@ -7,7 +7,7 @@ import pytest
 
 from edgevox.agent.agents import Agent
 from edgevox.agent.conversation import Conversation
-from edgevox.agent.llm.chat.grammar import SAY
+from edgevox.agent.llm.grammar import SAY
 from edgevox.agent.llm.language_model import ModelFailed
 from edgevox.agent.skills import SkillSet, skill
 from edgevox.core.bus import Bus

@@ -5,8 +5,8 @@ from typing import Annotated
 import phrases
 import pytest
 
-from edgevox.agent.llm.chat.calls import Protocol
-from edgevox.agent.llm.chat.prompt import MOST_LEARNED
+from edgevox.agent.llm.calls import Protocol
+from edgevox.agent.llm.prompt import MOST_LEARNED
 from edgevox.agent.llm.remote.gbnf import Matcher
 from edgevox.agent.nlu.templates import Recogniser, RefusedCommand, Understood
 from edgevox.agent.skills import Call, SkillSet, skill
