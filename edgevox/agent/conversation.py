@@ -26,10 +26,9 @@ from edgevox.agent.policy import Guard
 from edgevox.agent.programs.keeper import Programs
 from edgevox.agent.programs.store import Timer
 from edgevox.agent.skills import STOP, Call, SkillSet
-from edgevox.agent.states import StateMachine
 from edgevox.agent.stop.stopping import Stopping
 from edgevox.agent.text.reasons import because
-from edgevox.agent.turn import InputTiming, Turn
+from edgevox.agent.turn import InputTiming, StateMachine, Turn
 from edgevox.core.bus import Bus
 from edgevox.core.clock import Clock, SystemClock
 from edgevox.core.commands import (

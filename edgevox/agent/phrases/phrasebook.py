@@ -15,7 +15,7 @@ from itertools import zip_longest
 from typing import Any
 
 from edgevox.agent.skills import Example, Skill, SkillPhrases
-from edgevox.agent.skills.choices import MOST_HINTS, OneOf
+from edgevox.agent.skills.skill import MOST_HINTS, OneOf
 from edgevox.agent.text.number_words import Numbers, NumberWords, Rewriting
 from edgevox.agent.text.spelling import key
 from edgevox.agent.text.words import (
