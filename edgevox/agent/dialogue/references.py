@@ -10,7 +10,7 @@ from typing import Any
 from edgevox.agent.dialogue.memory import Dialogue, DialogueExchange
 from edgevox.agent.nlu.orders import After, Do, Program, When, kernel, parts_of
 from edgevox.agent.skills import Call, OneOf, Skill, SkillFailed
-from edgevox.agent.skills.going import TO_POINT, no_further, no_way_back
+from edgevox.agent.skills.skill import TO_POINT, no_further, no_way_back
 from edgevox.agent.text.reasons import because
 
 _CENTIMETRES = 2

@@ -11,9 +11,9 @@ from typing import Annotated
 
 from edgevox.agent.agents import Agent, skills_of
 from edgevox.agent.dialogue.facts import OF_DIALOGUE, dialogue_facts
-from edgevox.agent.dialogue.known import NOTHING_KNOWN, Known
 from edgevox.agent.dialogue.memory import Dialogue
 from edgevox.agent.dialogue.references import References
+from edgevox.agent.known import NOTHING_KNOWN, Known
 from edgevox.agent.nlu.abilities import abilities
 from edgevox.agent.nlu.interpreter import BACK
 from edgevox.agent.nlu.meaning import ASK_FROM, Meaning

@@ -23,7 +23,7 @@ from edgevox.core.events import ControlChanged
 from edgevox.core.languages import LANGUAGES, STT_BACKEND
 from edgevox.core.log import get_logger
 from edgevox.core.settings import Settings
-from edgevox.core.speech import Ending
+from edgevox.core.speech import Ending, FollowUp
 from edgevox.models import locate
 from edgevox.models.manifest import builtin_manifest
 from edgevox.voice.audio import AudioSource
@@ -36,9 +36,9 @@ from edgevox.voice.sinks.tapped import TappedSink
 from edgevox.voice.sources.open_source import ROS2, WavFiles, open_source
 from edgevox.voice.sources.pushed import Pushed
 from edgevox.voice.speech_output import SpeechOutput
-from edgevox.voice.stop.detector import StopDetector
-from edgevox.voice.stop.network import ENCODER
-from edgevox.voice.stop.spotter import open_stop_spotter
+from edgevox.voice.stop_spotter.detector import StopDetector
+from edgevox.voice.stop_spotter.network import ENCODER
+from edgevox.voice.stop_spotter.spotter import open_stop_spotter
 from edgevox.voice.stt.kept import MOST_BYTES, MOST_UTTERANCES, KeepingSpeechToText, KeptAudio
 from edgevox.voice.stt.speech_to_text import SpeechToText, WatchedSpeechToText
 from edgevox.voice.stt.whisper import Whisper
@@ -243,6 +243,7 @@ def build_listener(
     *,
     submit: Callable[[Command], None],
     is_stop: Callable[[str], bool],
+    follow_up: FollowUp,
     ending: Callable[[str], Ending],
 ) -> Listener:
     """Build the listener, not started; its commands go to `submit`.
@@ -262,6 +263,7 @@ def build_listener(
         audible=voice.sink.audible,
         wakeword=voice.wakeword,
         is_stop=is_stop,
+        follow_up=follow_up,
         stop_detector=open_stop_detector(settings),
         ending=ending,
         saying=voice.speech_output.saying,
