@@ -222,6 +222,18 @@ class Settings(BaseSettings):
         description="folder of the places that you tell the robot to remember; default:"
         " edgevox in $XDG_STATE_HOME, or in ~/.local/state",
     )
+    pictures: Path | None = Field(
+        None,
+        description="folder of the pictures that you tell the robot to take; no other robot may use"
+        " it; default: pictures in the folder of the console's recordings",
+    )
+    pictures_mb: int = Field(
+        50,
+        ge=1,
+        le=10_000_000,
+        description="size limit of all these pictures together, in megabytes; the oldest are"
+        " deleted",
+    )
     plugins: Path | None = Field(
         None,
         description="folder of plug-in packages (wheels or folders) with robots and"

@@ -150,6 +150,10 @@ class AnswerWords:
     not_: tuple[str, ...] = ()
     polite: tuple[str, ...] = ()
     little: tuple[str, ...] = ()
+    instead: tuple[str, ...] = ()
+    or_: tuple[str, ...] = ()
+    first: tuple[str, ...] = ()
+    second: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

@@ -117,7 +117,7 @@ def build_parts(stack: ExitStack, settings: Settings, body: Body | None) -> Agen
     health = _serve_health(stack, settings, components)
     bus = Bus()
     guard = build_guard(settings, bus, body)
-    robot_skills = gather_skills(body, settings)
+    robot_skills = gather_skills(body, settings, bus)
     log_strange_names(guard, robot_skills.skills)
     agents = build_agents(body, robot_skills.skills)
     stack.callback(BusLog(bus, free_text(agents)).close)
