@@ -84,6 +84,7 @@ class Listener:
         source: Where the sound comes from.
         vad: Tells voiced frames.
         stt: Turns utterances into words.
+        stop_stt: Turns those into words that count only if they stop the robot; `stt` by default.
         submit: Takes each command; its errors are logged and counted.
         bus: Gets `WakeWordHeard` and the sound level.
         language: The ISO 639-1 code of the language that is spoken now.
@@ -116,6 +117,7 @@ class Listener:
         audible: Callable[[], float],
         wakeword: WakeDetector | None = None,
         is_stop: Callable[[str], bool] = lambda _: False,
+        stop_stt: SpeechToText | None = None,
         stop_detector: StopDetector | None = None,
         saying: Callable[[], str] = lambda: "",
         ending: Callable[[str], Ending] | None = None,
@@ -145,6 +147,7 @@ class Listener:
             is_stop=is_stop,
             clock=self._clock,
             ending=ending or (lambda _: Ending.OPEN),
+            stop_stt=stop_stt,
         )
         self._judges = ending is not None and not lossless
         self._last_s: float | None = None

@@ -54,7 +54,8 @@ class Transcriber:
     An utterance that may be over is transcribed during the silence that ends it, so that its words
     are ready by then. A job with `only_stop` submits `Heard` alone, and only if `is_stop` finds a
     stop word; if one was spotted by its sound, then without words if `is_stop` does not. `submit`
-    must not raise.
+    must not raise. `stop_stt` transcribes these jobs, by default as all others: what is not for the
+    robot need not leave it.
     """
 
     def __init__(
@@ -66,8 +67,10 @@ class Transcriber:
         is_stop: Callable[[str], bool],
         clock: Clock,
         ending: Callable[[str], Ending] = lambda _: Ending.OPEN,
+        stop_stt: SpeechToText | None = None,
     ) -> None:
         self._stt = stt
+        self._stop_stt = stop_stt or stt
         self._submit = submit
         self._language = language
         self._is_stop = is_stop
@@ -212,7 +215,8 @@ class Transcriber:
     def _transcribe(self, job: TranscriptionJob, language: str) -> Transcript:
         """The words; none if they could not be understood, which is logged."""
         try:
-            said = self._stt.transcribe(job.samples, language)
+            stt = self._stop_stt if job.only_stop else self._stt
+            said = stt.transcribe(job.samples, language)
         except EdgeVoxError as error:
             self.failed += 1
             log.error("speech_to_text_failed", reason=str(error))  # noqa: TRY400 - its message says it all
