@@ -264,7 +264,9 @@ def _open_shared_hearing(
     from edgevox.voice.remote.hearing import open_hearing_server
     from edgevox.voice.remote.shared_hearing import SharedSpeechToText
 
-    server = open_hearing_server(speech_address(settings, "stt"))
+    address = speech_address(settings, "stt")
+    log.warning("audio_is_sent", server=address.host, encrypted=address.encrypted)
+    server = open_hearing_server(address)
     return SharedSpeechToText(server, on_board, prompt_of=prompt_of)
 
 

@@ -1,17 +1,23 @@
 """The check of the servers that are asked before the models on board."""
 
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
+from contextlib import closing
 from dataclasses import replace
 
 from edgevox.apps.agent.voice import speech_address
-from edgevox.apps.doctor.check import CheckVerdict, Facts, Situation, ok, skipped, warning
+from edgevox.apps.doctor.check import CheckVerdict, Facts, Situation, ok, warning
 from edgevox.core.cancel import CancelToken
 from edgevox.core.errors import EdgeVoxError, install_extra
 from edgevox.core.servers.address import Address
 from edgevox.core.settings import Settings
 
 MOST_S = 5.0
+_SENT: Mapping[str, str] = {
+    "llm_endpoint": "what people say, in words",
+    "stt_endpoint": "the sound of what people say",
+    "tts_endpoint": "what the robot says, in words",
+}
 
 
 def probe_servers(situation: Situation) -> Facts:
@@ -19,29 +25,35 @@ def probe_servers(situation: Situation) -> Facts:
     found = {}
     for address in _addresses(situation.settings):
         bounded = replace(address, timeout_s=min(MOST_S, address.timeout_s))
+        fault = ""
         try:
             _ask(bounded, situation.settings)
         except EdgeVoxError as error:
-            found[address.setting] = {"server": address.host, "fault": str(error)}
+            fault = str(error)
         except ModuleNotFoundError as error:
             fault = f"no module {error.name}: {install_extra('voice')}"
-            found[address.setting] = {"server": address.host, "fault": fault}
-        else:
-            found[address.setting] = {"server": address.host, "fault": ""}
+        found[address.setting] = {
+            "server": address.host,
+            "encrypted": address.encrypted,
+            "fault": fault,
+        }
     return {"servers": found}
 
 
 def judge_servers(facts: Facts, _: Situation) -> CheckVerdict | list[CheckVerdict]:
-    """A server that does not answer is a warning: what is on board does."""
+    """Tell what leaves the robot. A server that fails is a warning: what is on board answers."""
     if not facts["servers"]:
-        return skipped("not asked for")
+        return ok("none: hearing, speech and language stay on board")
     advice = "start it, or correct {}; until then, what is on board answers"
-    return [
-        warning(f"{one['server']}: {one['fault']}", advice.format(setting))
-        if one["fault"]
-        else ok(f"{setting}: {one['server']} answers")
-        for setting, one in facts["servers"].items()
-    ]
+    said = []
+    for setting, one in facts["servers"].items():
+        sent = _SENT[setting] + ("" if one["encrypted"] else ", unencrypted")
+        text = f"{setting} sends {one['server']} {sent}"
+        if one["fault"]:
+            said.append(warning(f"{text}. It fails: {one['fault']}", advice.format(setting)))
+        else:
+            said.append(ok(f"{text}. It answers"))
+    return said
 
 
 def _addresses(settings: Settings) -> Iterator[Address]:
@@ -59,7 +71,8 @@ def _addresses(settings: Settings) -> Iterator[Address]:
 def _ask(address: Address, settings: Settings) -> None:
     """Raise `EdgeVoxError` if the server does not say what it has, or has not what is asked of it.
 
-    A server that hears by HTTP without a list of its models passes if it answers at all.
+    One that speaks is made to, since some list voices that they cannot load. A server that hears by
+    HTTP without a list of its models passes if it answers at all.
     """
     from edgevox.core.servers.errors import Unusable
     from edgevox.core.servers.http import HttpServer
@@ -71,7 +84,8 @@ def _ask(address: Address, settings: Settings) -> None:
     if address.setting == "tts_endpoint":
         speaking = open_speaking_server(address, settings.tts_endpoint_voice)
         try:
-            speaking.look(settings.language, token)
+            with closing(speaking.speak("1, 2, 3.", settings.language, token)) as sound:
+                next(sound)
         finally:
             speaking.close()
         return

@@ -25,8 +25,8 @@ class SharedSpeechToText:
 
     A stop word that is heard on board counts at once, whatever the server does. If the server
     fails, the words on board count, and go on to count until it has answered a later utterance in
-    the background: a server that is away keeps a person waiting only once. `is_stop` tells whether words stop the robot; `prompt_of` gives, by language, the sentences to
-    expect.
+    the background: a server that is away keeps a person waiting only once. `is_stop` tells whether
+    words stop the robot; `prompt_of` gives, by language, the sentences to expect.
     """
 
     def __init__(

@@ -144,11 +144,16 @@ def _speaks(tag: str, language: str) -> bool:
 
 
 class WyomingSpeaking:
-    """Implements `SpeakingServer` by Wyoming, whose servers tell what their voices speak."""
+    """Implements `SpeakingServer` by Wyoming, whose servers tell what their voices speak.
+
+    Some, as wyoming-piper, list voices that they would have to fetch first.
+    """
 
     def __init__(self, address: Address, voices: Mapping[str, str]) -> None:
         self.address = address
         self._voices = dict(voices)
+        self._listed: set[str] = set()
+        """The languages whose voice is the first that the server lists."""
         self._server = WyomingServer(address)
 
     def speak(self, text: str, language: str, token: CancelToken) -> Generator[Chunk, None, None]:
@@ -173,8 +178,15 @@ class WyomingSpeaking:
                 if not token.cancelled:
                     raise Unreachable("the connection ended before the speech did")
 
-            for samples in _bounded(sounds(), lambda: pcm.rate_hz if pcm else 0):
-                yield Chunk(samples, pcm.rate_hz if pcm else 0)
+            try:
+                for samples in _bounded(sounds(), lambda: pcm.rate_hz if pcm else 0):
+                    yield Chunk(samples, pcm.rate_hz if pcm else 0)
+            except OddAnswer as error:
+                if language not in self._listed:
+                    raise
+                raise OddAnswer(
+                    f"{error}; name a voice that it has in {self.address.setting}_voice"
+                ) from None
 
     def look(self, language: str, token: CancelToken) -> None:
         """See `SpeakingServer.look`."""
@@ -182,6 +194,7 @@ class WyomingSpeaking:
             return
         info = self._server.describe(deadline(self.address), token)
         if info is not None:
+            self._listed.add(language)
             self._voices[language] = _described_voice(info, language, self.address)
 
     def close(self) -> None:
