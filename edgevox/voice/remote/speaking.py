@@ -84,6 +84,8 @@ class OpenAiSpeaking:
     def speak(self, text: str, language: str, token: CancelToken) -> Generator[Chunk, None, None]:
         """See `SpeakingServer.speak`."""
         self.look(language, token)
+        if token.cancelled:
+            return
         voice = self._voices.get(language) or self._voices[""]
         asked = {"model": self._model, "input": text, "voice": voice, "response_format": "wav"}
         until_s = deadline(self.address)
@@ -92,7 +94,7 @@ class OpenAiSpeaking:
         ) as request:
             stream = WavStream()
             sounds = map(stream.push, request.chunks())
-            for samples in _bounded(sounds, lambda: stream.rate_hz):
+            for samples in _bounded(sounds, lambda: stream.rate_hz, token):
                 yield Chunk(samples, stream.rate_hz)
                 request.deadline_s = deadline(self.address)
 
@@ -159,6 +161,8 @@ class WyomingSpeaking:
     def speak(self, text: str, language: str, token: CancelToken) -> Generator[Chunk, None, None]:
         """See `SpeakingServer.speak`."""
         self.look(language, token)
+        if token.cancelled:
+            return
         voice = SynthesizeVoice(name=self._voices.get(language) or self._voices.get(""))
         asked = Synthesize(text=text, voice=voice).event()
         with self._server.ask([asked], deadline(self.address), token) as request:
@@ -179,7 +183,7 @@ class WyomingSpeaking:
                     raise Unreachable("the connection ended before the speech did")
 
             try:
-                for samples in _bounded(sounds(), lambda: pcm.rate_hz if pcm else 0):
+                for samples in _bounded(sounds(), lambda: pcm.rate_hz if pcm else 0, token):
                     yield Chunk(samples, pcm.rate_hz if pcm else 0)
             except OddAnswer as error:
                 if language not in self._listed:
@@ -221,8 +225,12 @@ def _described_voice(info: Info, language: str, address: Address) -> str:
     raise NoVoice(address.host, language)
 
 
-def _bounded(sounds: Iterator[Samples], rate_hz: Callable[[], int]) -> Iterator[Samples]:
-    """The sounds that have any samples. Raises `OddAnswer` for none at all and too long ones."""
+def _bounded(
+    sounds: Iterator[Samples], rate_hz: Callable[[], int], token: CancelToken
+) -> Iterator[Samples]:
+    """The sounds that have any samples. Raises `OddAnswer` for too long ones and, unless cancelled,
+    for none at all.
+    """
     seconds = 0.0
     for samples in sounds:
         if not samples.size:
@@ -231,5 +239,5 @@ def _bounded(sounds: Iterator[Samples], rate_hz: Callable[[], int]) -> Iterator[
         if seconds > MOST_SOUND_S:
             raise OddAnswer(f"over {MOST_SOUND_S:.0f} s of sound for a phrase")
         yield samples
-    if not seconds:
+    if not seconds and not token.cancelled:
         raise OddAnswer("no sound")

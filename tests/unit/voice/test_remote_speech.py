@@ -203,6 +203,35 @@ def test_sound_that_is_none_is_an_error(events, kind: type[ServerFailed]) -> Non
         _speaks(server.address("tts"), voice="any")
 
 
+@pytest.mark.parametrize("wait_for", ["the list", "the sound"])
+def test_cancelling_before_any_sound_is_no_fault_of_the_server(wait_for: str) -> None:
+    asked = threading.Event()
+
+    def hang(one) -> None:
+        asked.set()
+        one.hang()
+
+    routes = {"voices" if wait_for == "the list" else "speaks": hang}
+    over = threading.Event()
+
+    def turn(events, send, _raw) -> None:
+        if Describe.is_type(events[0].type) and wait_for != "the list":
+            send(_info("en_US"))
+            return
+        asked.set()
+        over.wait(HUNG_S)
+
+    with http_speech(**routes) as by_http, wyoming_speech(turn) as by_wyoming:
+        for server in (by_http, by_wyoming):
+            asked.clear()
+            token = CancelToken()
+            client = open_speaking_server(server.address("tts"))
+            threading.Thread(target=lambda: asked.wait(HUNG_S) and token.cancel()).start()  # noqa: B023
+            assert list(client.speak("Hello.", "en", token)) == []
+            client.close()
+        over.set()
+
+
 def test_cancelling_hangs_up_in_the_middle() -> None:
     token = CancelToken()
 
