@@ -11,23 +11,23 @@ from typing import Any, assert_never
 from edgevox.agent import inbox
 from edgevox.agent.agents import Agent, skills_of
 from edgevox.agent.dialogue.asking import Asking, Performer
-from edgevox.agent.dialogue.known import NOTHING_KNOWN, Known
+from edgevox.agent.dialogue.follow_up import FollowUps
 from edgevox.agent.dialogue.memory import LastDrive
 from edgevox.agent.dialogue.question import OpenQuestion
 from edgevox.agent.dialogue.skills import DialogueSkills
 from edgevox.agent.goals.executor import SkillExecutor
 from edgevox.agent.goals.goal import Goal
+from edgevox.agent.known import NOTHING_KNOWN, Known
 from edgevox.agent.llm.language_model import LanguageModel
 from edgevox.agent.nlu.decider import Decider
 from edgevox.agent.nlu.hearing.sounds import Phonemes
 from edgevox.agent.nlu.interpreter import Interpreter
 from edgevox.agent.policy import Guard
 from edgevox.agent.programs.keeper import Programs
-from edgevox.agent.programs.senses import NO_SENSES, Senses
 from edgevox.agent.programs.store import Timer
 from edgevox.agent.skills import STOP, Call, SkillSet
 from edgevox.agent.states import StateMachine
-from edgevox.agent.stopping import Stopping
+from edgevox.agent.stop.stopping import Stopping
 from edgevox.agent.text.reasons import because
 from edgevox.agent.turn import InputTiming, Turn
 from edgevox.core.bus import Bus
@@ -156,8 +156,8 @@ class Conversation:
         decider: Decider | None = None,
         phonemes: Phonemes | None = None,
         known: Known = NOTHING_KNOWN,
-        senses: Senses = NO_SENSES,
         timer: Timer | None = None,
+        follow_up_s: float = 8.0,
     ) -> None:
         """Build the parts of a conversation; `start` starts its threads.
 
@@ -174,9 +174,10 @@ class Conversation:
             guard: The policy, which may forbid any skill except to stop; None allows all.
             decider: Reads orders that no template fits; None leaves those to the model.
             phonemes: Pronunciations, to recognise misheard words by their sounds.
-            known: What the body knows of itself and its world, to answer questions.
-            senses: The body's senses, for programs with a condition.
+            known: What the body knows of itself and its world, for answers and for programs.
             timer: Wakes programs at their time; a timer of its own by default.
+            follow_up_s: Seconds after a spoken answer in which a person may go on without the wake
+                word; 0 for never, not even to answer a question.
         """
         self._bus = bus
         self._clock = clock or SystemClock()
@@ -203,12 +204,16 @@ class Conversation:
             phrases=lambda: interpreter.phrases,
             clock=self._clock,
             timer=timer,
-            senses=senses,
+            known=known,
         )
         last = LastDrive(bus, self._clock)
         performer = Performer(interpreter, self._executor, self.programs, dialogue, last)
         self._question = OpenQuestion(bus, self._clock)
         self._asking = Asking(interpreter, performer, dialogue, self._question, confirm=confirm)
+        self.follow_ups = FollowUps(
+            self._question, self._asking.follows, self._clock, within_s=follow_up_s
+        )
+        interlock.on_stop(lambda _: self.follow_ups.close())
         self._numbers = itertools.count(1)
         self._turn: Turn | None = None
         self._speech_output = speech_output
@@ -407,6 +412,8 @@ class Conversation:
         turn.finish(measured=measured)
         self._question.said(turn)
         with self._inbox.gate:
+            if turn is self._stopping.last and not turn.token.cancelled:
+                self.follow_ups.open(asked=turn.outcome is Outcome.ASKED)
             self._turn = None
         self._states.rest()
         self._bus.publish(TurnEnded(turn.number, turn.outcome if measured else None, turn.tokens))

@@ -169,7 +169,7 @@ class Interpreter:
         for agent in self._active_first():
             found = self._recognisers[agent.name].recognise(text)
             if isinstance(found, Understood):
-                asks = found.nearly or may_ask_whether(found.calls, text, self._code)
+                asks = found.unsure or may_ask_whether(found.calls, text, self._code)
                 return Meaning(agent, found.calls, "template", ASK_FROM if asks else 1.0)
             if isinstance(found, RefusedCommand):
                 return found

@@ -25,7 +25,7 @@ from edgevox.core.languages import LANGUAGES, STT_BACKEND
 from edgevox.core.log import get_logger
 from edgevox.core.servers.address import Address
 from edgevox.core.settings import Settings
-from edgevox.core.speech import Ending
+from edgevox.core.speech import Ending, FollowUp
 from edgevox.models import locate
 from edgevox.models.manifest import builtin_manifest
 from edgevox.voice.audio import AudioSource
@@ -38,9 +38,9 @@ from edgevox.voice.sinks.tapped import TappedSink
 from edgevox.voice.sources.open_source import ROS2, WavFiles, open_source
 from edgevox.voice.sources.pushed import Pushed
 from edgevox.voice.speech_output import SpeechOutput
-from edgevox.voice.stop.detector import StopDetector
-from edgevox.voice.stop.network import ENCODER
-from edgevox.voice.stop.spotter import open_stop_spotter
+from edgevox.voice.stop_spotter.detector import StopDetector
+from edgevox.voice.stop_spotter.network import ENCODER
+from edgevox.voice.stop_spotter.spotter import open_stop_spotter
 from edgevox.voice.stt.kept import MOST_BYTES, MOST_UTTERANCES, KeepingSpeechToText, KeptAudio
 from edgevox.voice.stt.speech_to_text import SpeechToText, WatchedSpeechToText
 from edgevox.voice.stt.whisper import Whisper
@@ -222,7 +222,7 @@ class Hearing:
 
     stt: WatchedSpeechToText
     stop_stt: SpeechToText
-    """The part of it that is on board: for what counts only if it stops the robot."""
+    """The part of it that is on board: for what may not be for the robot."""
     shared: "SharedSpeechToText | None"
     """The part that asks a server; None without one."""
     loaded: Callable[[], Iterable[Path]]
@@ -312,6 +312,7 @@ def build_listener(
     *,
     submit: Callable[[Command], None],
     is_stop: Callable[[str], bool],
+    follow_up: FollowUp,
     ending: Callable[[str], Ending],
 ) -> Listener:
     """Build the listener, not started; its commands go to `submit`.
@@ -333,6 +334,7 @@ def build_listener(
         wakeword=voice.wakeword,
         is_stop=is_stop,
         stop_stt=voice.hearing.stop_stt,
+        follow_up=follow_up,
         stop_detector=open_stop_detector(settings),
         ending=ending,
         saying=voice.speech_output.saying,
