@@ -99,6 +99,7 @@ class Listener:
         source: Where the sound comes from.
         vad: Tells voiced frames.
         stt: Turns utterances into words.
+        stop_stt: Turns unaddressed utterances into words; `stt` by default.
         submit: Takes each command; its errors are logged and counted.
         bus: Gets `WakeWordHeard` and the sound level.
         language: The ISO 639-1 code of the language that is spoken now.
@@ -133,6 +134,7 @@ class Listener:
         audible: Callable[[], float],
         wakeword: WakeDetector | None = None,
         is_stop: Callable[[str], bool] = lambda _: False,
+        stop_stt: SpeechToText | None = None,
         follow_up: FollowUp | None = None,
         stop_detector: StopDetector | None = None,
         saying: Callable[[], str] = lambda: "",
@@ -163,6 +165,7 @@ class Listener:
             is_stop=is_stop,
             clock=self._clock,
             ending=ending or (lambda _: Ending.OPEN),
+            stop_stt=stop_stt,
             follow_up=follow_up,
         )
         self._follow_up = follow_up
