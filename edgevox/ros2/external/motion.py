@@ -9,8 +9,10 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any, Protocol
 
-from geometry_msgs.msg import PoseStamped, Twist
+from geometry_msgs.msg import PoseStamped, Twist, TwistStamped
 from rclpy.node import Node
+from rclpy.publisher import Publisher
+from std_msgs.msg import Header
 
 from edgevox.agent.skills import SkillFailed
 from edgevox.agent.text.reasons import because
@@ -20,7 +22,9 @@ from edgevox.robots.command_mux import STILL
 from edgevox.robots.lidar import blocked
 from edgevox.robots.path_follower import PathFollower
 from edgevox.robots.relative_motion import Lookout
+from edgevox.ros2.clients import type_name
 from edgevox.ros2.external.settings import Jump, Patience, SteeringLimits
+from edgevox.ros2.external.topic_types import Close, Open, TopicTypes
 from edgevox.ros2.messages import pose_msg, profile
 from edgevox.ros2.stamps import to_msg
 from edgevox.ros2.standard_topics import DRIVEN
@@ -191,16 +195,50 @@ class MotionBackend(Protocol):
 
 
 class VelocityPublisher:
-    """Publishes velocities on ``cmd_vel``."""
+    """Publishes velocities on ``cmd_vel``, in the type that the robot takes.
 
-    def __init__(self, node: Node) -> None:
-        self._publisher = node.create_publisher(Twist, "cmd_vel", profile(DRIVEN["cmd_vel"].qos))
+    `header` gives the header of a velocity with a stamp: the robot's frame and the robot's time.
+    """
+
+    def __init__(self, node: Node, types: TopicTypes, header: Callable[[], Header]) -> None:
+        self._node, self._header = node, header
+        self._publisher: Publisher | None = None
+        self._moving = False
+        types.follow(
+            "cmd_vel", {type_name(kind): self._way(kind) for kind in (Twist, TwistStamped)}
+        )
 
     def turn(self, twist: Twist2D) -> None:
+        self._moving = twist != STILL
+        self._publish(twist)
+
+    def _publish(self, twist: Twist2D) -> None:
         message = Twist()
         message.linear.x = float(twist.linear_m_s)
         message.angular.z = float(twist.angular_rad_s)
-        self._publisher.publish(message)
+        if self._publisher is None:
+            return
+        stamped = self._publisher.msg_type is TwistStamped
+        self._publisher.publish(
+            TwistStamped(header=self._header(), twist=message) if stamped else message
+        )
+
+    def _way(self, kind: type[Any]) -> Open:
+        def opened() -> Close:
+            quality = profile(DRIVEN["cmd_vel"].qos)
+            self._publisher = self._node.create_publisher(kind, "cmd_vel", quality)
+            return self._close
+
+        return opened
+
+    def _close(self) -> None:
+        """Whoever still listens is not left driving."""
+        one, moving = self._publisher, self._moving
+        if moving:
+            self._publish(STILL)
+        self._publisher = None
+        if one:
+            self._node.destroy_publisher(one)
 
 
 class GoalTopicBackend:
@@ -213,22 +251,28 @@ class GoalTopicBackend:
     MATCH_S = 3.0
     STANDING_S = 0.5
 
-    def __init__(self, node: Node, cancel_all: Callable[[], bool], patience: Patience) -> None:
+    def __init__(
+        self, node: Node, cancel_all: Callable[[], bool], patience: Patience, types: TopicTypes
+    ) -> None:
         """`cancel_all` asks what drives there to drop its goals; False where it cannot be asked."""
         self.patience = patience
         self._node = node
         self._cancel_all = cancel_all
+        self._types = types
         self._topic = node.resolve_topic_name("goal_pose")
-        self._publisher = node.create_publisher(
-            PoseStamped, "goal_pose", profile(DRIVEN["goal_pose"].qos)
-        )
+        types.follow("goal_pose", {type_name(PoseStamped): self._open})
         self._target = Target(0.0, 0.0)
         self._sent = False
         self._begun_s: float | None = None
         self._still_since_s: float | None = None
 
+    def _open(self) -> Close:
+        quality = profile(DRIVEN["goal_pose"].qos)
+        self._publisher = self._node.create_publisher(PoseStamped, "goal_pose", quality)
+        return lambda: None  # it knows one type
+
     def available(self) -> bool:
-        return self._node.count_subscribers(self._topic) > 0
+        return self._node.count_subscribers(self._topic) > 0 and not self._types.unfit("goal_pose")
 
     def begin(self, target: Target, estimate: PoseEstimate) -> None:
         self._target, self._sent = target, False
