@@ -38,8 +38,8 @@ class Rig:
         self.process.stdin.write(f"{type_}\n")
         self.process.stdin.flush()
 
-    def until_taken(self, start: str) -> str:
-        since = len(self.taken.messages)
+    def until_taken(self, start: str, since: int | None = None) -> str:
+        since = len(self.taken.messages) if since is None else since
         return self.taken.wait_for(lambda m: m.startswith(start), since=since)
 
 
@@ -92,6 +92,28 @@ def test_a_driver_that_restarts_with_another_type_is_driven_on_and_stopped_in_th
     one.robot.halt("a test")
     one.until_taken("Twist 0.00 0.00")
     standing(one.robot)
+    with pytest.raises(Exception, match="a test"):
+        going.result()
+
+
+def test_while_both_types_are_there_each_has_the_velocities_and_the_stop(rig, domain):
+    one = rig("--cmd-vel", "Twist")
+    going = drive(one.robot, FAR_M, 0.0)
+    one.until_taken("Twist 0.6")
+
+    other = robot_process(
+        "typed_robot.py", "--cmd-vel=TwistStamped", "--odom=", domain=domain, namespace="/robot1"
+    )
+    with other:
+        one.until_taken("TwistStamped 0.6")
+        one.until_taken("Twist 0.6")
+        told = "/robot1/cmd_vel has the types geometry_msgs/msg/Twist and geometry_msgs/msg/Twist"
+        assert [doubt.startswith(told) for doubt in one.robot.doubts] == [True]
+        since = len(one.taken.messages)
+        one.robot.halt("a test")
+        for kind in ("Twist", "TwistStamped"):
+            one.until_taken(f"{kind} 0.00 0.00", since)
+        standing(one.robot)
     with pytest.raises(Exception, match="a test"):
         going.result()
 
@@ -155,7 +177,7 @@ def test_a_wall_in_a_point_cloud_makes_it_wait(rig):
     with pytest.raises(SkillFailed) as failed:
         drive(one.robot, 2.0, 0.0).result()
 
-    assert str(failed.value) == because("in_the_way").text
+    assert str(failed.value) == because("in_my_way").text
 
 
 def test_the_floor_in_a_point_cloud_is_no_obstacle(rig):

@@ -3,7 +3,8 @@
     python typed_robot.py --namespace /robot1 --cmd-vel TwistStamped --scan PointCloud2
 
 It integrates the velocities that it takes, with a watchdog of 0.5 s, and publishes odom 20 times a
-second. `--odom` is the topic of its odometry, or a type's name for one that is none. Velocities
+second. `--odom` is the topic of its odometry, a type's name for one that is none, or empty for a
+node that only takes velocities. Velocities
 whose stamp is older than 0.5 s are refused, as ros2_control's diff_drive_controller does. Its clock
 is `--ahead` seconds ahead. Each line on standard input is a type that `cmd_vel` has from then on,
 as after a restart of its driver.
@@ -47,7 +48,8 @@ class TypedRobot(Node):
         self.zeros = 0
         kind = PoseStamped if options.odom == "PoseStamped" else Odometry
         topic = "odom" if options.odom == "PoseStamped" else options.odom
-        self.odom = self.create_publisher(kind, topic, qos_profile_sensor_data)
+        if topic:
+            self.odom = self.create_publisher(kind, topic, qos_profile_sensor_data)
         self.taken = self.create_publisher(String, "taken", 10)
         self.wheels = None
         self.take_as(options.cmd_vel)
@@ -93,6 +95,8 @@ class TypedRobot(Node):
         self.yaw += angular * STEP_S
         self.x += linear * math.cos(self.yaw) * STEP_S
         self.y += linear * math.sin(self.yaw) * STEP_S
+        if not self.options.odom:
+            return
         if self.options.odom == "PoseStamped":
             self.odom.publish(PoseStamped())
         else:

@@ -7,6 +7,7 @@ velocities: straight to the point, around nothing.
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any, Protocol
 
 from geometry_msgs.msg import PoseStamped, Twist, TwistStamped
@@ -24,8 +25,9 @@ from edgevox.robots.path_follower import PathFollower
 from edgevox.robots.relative_motion import Lookout
 from edgevox.ros2.clients import type_name
 from edgevox.ros2.external.settings import Jump, Patience, SteeringLimits
-from edgevox.ros2.external.topic_types import Close, Open, TopicTypes
+from edgevox.ros2.external.topic_types import Close, TopicTypes
 from edgevox.ros2.messages import pose_msg, profile
+from edgevox.ros2.node import RosNode
 from edgevox.ros2.stamps import to_msg
 from edgevox.ros2.standard_topics import DRIVEN
 
@@ -195,50 +197,61 @@ class MotionBackend(Protocol):
 
 
 class VelocityPublisher:
-    """Publishes velocities on ``cmd_vel``, in the type that the robot takes.
+    """Publishes velocities on ``cmd_vel``, in each type that the robot takes.
 
     `header` gives the header of a velocity with a stamp: the robot's frame and the robot's time.
     """
 
-    def __init__(self, node: Node, types: TopicTypes, header: Callable[[], Header]) -> None:
-        self._node, self._header = node, header
-        self._publisher: Publisher | None = None
+    def __init__(self, ros: RosNode, types: TopicTypes, header: Callable[[], Header]) -> None:
+        self._ros, self._header = ros, header
+        self._publishers: list[Publisher] = []
         self._moving = False
+        kinds = {type_name(kind): kind for kind in (Twist, TwistStamped)}
         types.follow(
-            "cmd_vel", {type_name(kind): self._way(kind) for kind in (Twist, TwistStamped)}
+            "cmd_vel",
+            {name: partial(self._open, kind) for name, kind in kinds.items()},
+            beside={name: partial(self._open_beside, kind) for name, kind in kinds.items()},
         )
 
     def turn(self, twist: Twist2D) -> None:
         self._moving = twist != STILL
-        self._publish(twist)
+        for one in self._publishers:
+            self._publish(one, twist)
 
-    def _publish(self, twist: Twist2D) -> None:
+    def _publish(self, publisher: Publisher, twist: Twist2D) -> None:
         message = Twist()
         message.linear.x = float(twist.linear_m_s)
         message.angular.z = float(twist.angular_rad_s)
-        if self._publisher is None:
-            return
-        stamped = self._publisher.msg_type is TwistStamped
-        self._publisher.publish(
+        stamped = publisher.msg_type is TwistStamped
+        publisher.publish(
             TwistStamped(header=self._header(), twist=message) if stamped else message
         )
 
-    def _way(self, kind: type[Any]) -> Open:
-        def opened() -> Close:
-            quality = profile(DRIVEN["cmd_vel"].qos)
-            self._publisher = self._node.create_publisher(kind, "cmd_vel", quality)
-            return self._close
+    def _open(self, kind: type[Any]) -> Close:
+        publisher = self._create(self._ros.node, "cmd_vel", kind)
 
-        return opened
+        def close() -> None:
+            if self._moving:  # what still listens is not left driving
+                self._publish(publisher, STILL)
+            self._publishers.remove(publisher)
+            self._ros.node.destroy_publisher(publisher)
 
-    def _close(self) -> None:
-        """Whoever still listens is not left driving."""
-        one, moving = self._publisher, self._moving
-        if moving:
-            self._publish(STILL)
-        self._publisher = None
-        if one:
-            self._node.destroy_publisher(one)
+        return close
+
+    def _open_beside(self, kind: type[Any]) -> Close:
+        node, leave = self._ros.beside(f"_cmd_vel_{kind.__name__}")
+        publisher = self._create(node, self._ros.node.resolve_topic_name("cmd_vel"), kind)
+
+        def close() -> None:
+            self._publishers.remove(publisher)
+            leave()
+
+        return close
+
+    def _create(self, node: Node, topic: str, kind: type[Any]) -> Publisher:
+        publisher = node.create_publisher(kind, topic, profile(DRIVEN["cmd_vel"].qos))
+        self._publishers.append(publisher)
+        return publisher
 
 
 class GoalTopicBackend:

@@ -148,9 +148,8 @@ class ExternalRobot:
 
     @property
     def doubts(self) -> Sequence[str]:
-        """Topics that have another type than EdgeVox can use, each in a few words."""
-        robot_node = self._robot_node
-        return [str(one) for one in robot_node.types.all_unfit] if robot_node else []
+        """What is not as it should be with the types of its topics, each in a few words."""
+        return self._robot_node.types.doubts if self._robot_node else []
 
     @property
     def refusals(self) -> Mapping[tuple[str, ...], int]:

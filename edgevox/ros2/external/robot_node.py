@@ -74,7 +74,7 @@ class RobotNode:
         self.senses = SensorInputs(
             node, clock, _speeds(steering), self.types, half_width_m=steering.half_width_m
         )
-        wheels = VelocityPublisher(node, self.types, self._header)
+        wheels = VelocityPublisher(self._ros, self.types, self._header)
         self._wheels_topic = node.resolve_topic_name("cmd_vel")
         self._cancel = Nav2Cancel(node, clock)
         goals = GoalTopicBackend(node, self._cancel.cancel_all, settings.goal_patience, self.types)
@@ -111,6 +111,7 @@ class RobotNode:
         if self._handle:
             self._handle.close()
         self._ros.close()
+        self.types.close()
 
     @property
     def stalled_s(self) -> float:

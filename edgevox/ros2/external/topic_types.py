@@ -2,11 +2,15 @@
 
 Robots of one kind use different types on one topic: velocities are Twist or TwistStamped, pictures
 are raw or compressed. Each of EdgeVox's ends takes the type of the robot's newest end that it
-knows, and changes when a driver restarts with another. The middleware allows a process one type on
-a topic, so an end closes before it opens with another type.
+knows, and changes when a driver restarts with another. The middleware allows a node one type on a
+topic, so an end closes before it opens with another type.
+
+Velocities leave in every type that is there: a stop must reach the robot whichever of them is its
+own, so an end opens beside the first, in a node of its own, and the first stays until its type is
+gone.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
 from typing import Any
@@ -64,10 +68,21 @@ class _End:
     """How to open it, by type, the usual one first."""
     type: str
     close: Close
+    ways_beside: Mapping[str, Open]
+    """How to open another beside it, by type; empty where the newest type alone is used."""
+    beside: dict[str, Close] = field(default_factory=dict)
     seen: dict[bytes, int] = field(default_factory=dict)
     """When each of the robot's ends was first seen, in looks."""
-    there: int = 0
+    types: tuple[str, ...] = ()
+    """All types that are there."""
     unfit: UnfitTopic | None = None
+
+    @property
+    def doubt(self) -> str:
+        """What is not as it should be, in a few words; empty without anything."""
+        if self.unfit:
+            return str(self.unfit)
+        return f"{self.topic} has the types {' and '.join(self.types)}" if self.types[1:] else ""
 
 
 class TopicTypes:
@@ -81,10 +96,13 @@ class TopicTypes:
         self._ends: dict[str, _End] = {}
         self._looks = 0
 
-    def follow(self, topic: str, ways: Mapping[str, Open]) -> None:
+    def follow(
+        self, topic: str, ways: Mapping[str, Open], beside: Mapping[str, Open] | None = None
+    ) -> None:
         """Open an end of a topic of the contract, with the usual type until the robot is seen.
 
-        `ways` has a way for every type of the topic's row.
+        `ways` has a way for every type of the topic's row, and `beside` one to open it beside the
+        first where all types that are there are to be used.
         """
         row, node = DRIVEN[topic], self._node
         usual = row.type
@@ -99,6 +117,7 @@ class TopicTypes:
             {one: ways[one] for one in row.types},
             usual,
             ways[usual](),
+            beside or {},
         )
 
     def look(self) -> None:
@@ -112,13 +131,20 @@ class TopicTypes:
         return self._ends[topic].unfit
 
     @property
-    def all_unfit(self) -> tuple[UnfitTopic, ...]:
-        """All topics of the robot that do not fit."""
-        return tuple(end.unfit for end in self._ends.values() if end.unfit)
+    def doubts(self) -> list[str]:
+        """What is not as it should be, in a few words a topic."""
+        return [end.doubt for end in self._ends.values() if end.doubt]
 
     def is_there(self, topic: str) -> bool:
-        """Return whether the robot had an end of it at the last look."""
-        return self._ends[topic].there > 0
+        """Return whether the robot has an end of it now."""
+        end = self._ends[topic]
+        return bool(end.ends_there(end.topic))
+
+    def close(self) -> None:
+        """Close what is open beside the first ends; those are their node's."""
+        for end in self._ends.values():
+            while end.beside:
+                end.beside.popitem()[1]()
 
     def elsewhere(self, topic: str) -> tuple[str, ...]:
         """Other topics on which the robot may have what is missing on this one, by their types."""
@@ -133,15 +159,27 @@ class TopicTypes:
         infos = end.ends_there(end.topic)
         there = {bytes(one.endpoint_gid): one.topic_type for one in infos}
         end.seen = {gid: end.seen.get(gid, self._looks) for gid in there}
-        end.there = len(there)
         fit = [gid for gid in there if there[gid] in end.ways]
         self._judge(end, tuple(sorted(set(there.values()))), fits=bool(fit) or not there)
         if not fit:
             return
         order = list(end.ways)
         newest = max(fit, key=lambda gid: (end.seen[gid], order.index(there[gid])))
-        if there[newest] != end.type:
+        if end.ways_beside:
+            self._use_all(end, {there[gid] for gid in fit}, there[newest])
+        elif there[newest] != end.type:
             self._change(end, there[newest])
+
+    def _use_all(self, end: _End, types: Collection[str], newest: str) -> None:
+        """Use all of these types; what changes is open beside until the next look."""
+        others = {one for one in types if one != end.type}
+        for gone in end.beside.keys() - others:
+            end.beside.pop(gone)()
+        if end.type not in types:
+            self._change(end, newest)
+            return
+        for new in others - end.beside.keys():
+            end.beside[new] = end.ways_beside[new]()
 
     def _change(self, end: _End, type_: str) -> None:
         log.info("topic_type_changed", topic=end.topic, type=type_, before=end.type)
@@ -149,15 +187,14 @@ class TopicTypes:
         end.type, end.close = type_, end.ways[type_]()
 
     def _judge(self, end: _End, types: tuple[str, ...], *, fits: bool) -> None:
-        unfit = None if fits else UnfitTopic(end.topic, types, tuple(end.ways))
-        if unfit and unfit != end.unfit:
+        before = end.doubt
+        end.types = types
+        end.unfit = None if fits else UnfitTopic(end.topic, types, tuple(end.ways))
+        if end.doubt and end.doubt != before:
+            expected = _either(end.ways)
             log.warning(
-                "topic_type_unfit",
-                topic=end.topic,
-                type=", ".join(unfit.types),
-                expected=", ".join(unfit.expected),
+                "topic_type_unfit", topic=end.topic, type=", ".join(types), expected=expected
             )
-        end.unfit = unfit
 
 
 def listening(
