@@ -115,14 +115,14 @@ def test_a_topic_of_the_contract_with_another_type_is_told_and_one_of_its_other_
     look, peer
 ):
     node = peer(NAMESPACE).node
-    node.create_publisher(Int32, "scan", 1)
-    node.create_publisher(CompressedImage, "camera/image_raw", 1)
-    node.create_subscription(TwistStamped, "wheels", print, 1)
+    node.create_publisher(Int32, f"{NAMESPACE}/scan", 1)
+    node.create_publisher(CompressedImage, f"{NAMESPACE}/camera/image_raw", 1)
+    node.create_subscription(TwistStamped, f"{NAMESPACE}/wheels", print, 1)
 
     _, said = look(("namespace: /robot1", "namespace: /robot1\ntopics: {cmd_vel: wheels}"))
 
     fits = "sensor_msgs/msg/LaserScan or sensor_msgs/msg/PointCloud2"
-    told = f"topics: publisher scan has the type {INT}, and not {fits}"
+    told = f"topics: publisher {NAMESPACE}/scan has the type {INT}, and not {fits}"
     assert about(said, "topics") == [("error", told, "its node has to change")]
 
 
