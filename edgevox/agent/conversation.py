@@ -11,6 +11,7 @@ from typing import Any, assert_never
 from edgevox.agent import inbox
 from edgevox.agent.agents import Agent, skills_of
 from edgevox.agent.dialogue.asking import Asking, Performer
+from edgevox.agent.dialogue.follow_up import FollowUps
 from edgevox.agent.dialogue.memory import LastDrive
 from edgevox.agent.dialogue.question import OpenQuestion
 from edgevox.agent.dialogue.skills import DialogueSkills
@@ -156,6 +157,7 @@ class Conversation:
         phonemes: Phonemes | None = None,
         known: Known = NOTHING_KNOWN,
         timer: Timer | None = None,
+        follow_up_s: float = 8.0,
     ) -> None:
         """Build the parts of a conversation; `start` starts its threads.
 
@@ -174,6 +176,8 @@ class Conversation:
             phonemes: Pronunciations, to recognise misheard words by their sounds.
             known: What the body knows of itself and its world, for answers and for programs.
             timer: Wakes programs at their time; a timer of its own by default.
+            follow_up_s: Seconds after a spoken answer in which a person may go on without the wake
+                word; 0 for never, not even to answer a question.
         """
         self._bus = bus
         self._clock = clock or SystemClock()
@@ -206,6 +210,10 @@ class Conversation:
         performer = Performer(interpreter, self._executor, self.programs, dialogue, last)
         self._question = OpenQuestion(bus, self._clock)
         self._asking = Asking(interpreter, performer, dialogue, self._question, confirm=confirm)
+        self.follow_ups = FollowUps(
+            self._question, self._asking.follows, self._clock, within_s=follow_up_s
+        )
+        interlock.on_stop(lambda _: self.follow_ups.close())
         self._numbers = itertools.count(1)
         self._turn: Turn | None = None
         self._speech_output = speech_output
@@ -404,6 +412,8 @@ class Conversation:
         turn.finish(measured=measured)
         self._question.said(turn)
         with self._inbox.gate:
+            if turn is self._stopping.last and not turn.token.cancelled:
+                self.follow_ups.open(asked=turn.outcome is Outcome.ASKED)
             self._turn = None
         self._states.rest()
         self._bus.publish(TurnEnded(turn.number, turn.outcome if measured else None, turn.tokens))

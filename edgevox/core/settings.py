@@ -249,6 +249,13 @@ class Settings(BaseSettings):
         description="listen only after this wake word, such as 'hey jarvis', or a"
         " microWakeWord .json file; empty: always listen",
     )
+    follow_up_s: float = Field(
+        8.0,
+        ge=0.0,
+        le=60.0,
+        description="seconds after a spoken answer in which the same person may go on without"
+        " the wake word; 0: never, not even to answer a question of the robot",
+    )
     keep_audio: Path | None = Field(
         None,
         description="folder for the last 200 utterances as WAV files, with what was"

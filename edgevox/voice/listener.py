@@ -12,7 +12,7 @@ from edgevox.core.errors import EdgeVoxError
 from edgevox.core.events import Cause, WakeWordHeard
 from edgevox.core.log import get_logger, worth_a_line
 from edgevox.core.settings import Echo
-from edgevox.core.speech import Ending
+from edgevox.core.speech import Ending, FollowUp
 from edgevox.voice.audio import (
     FRAME_S,
     RATE_HZ,
@@ -21,6 +21,7 @@ from edgevox.voice.audio import (
     Frame,
     LevelMeter,
     UtteranceOver,
+    loudness_db,
 )
 from edgevox.voice.echo.canceller import VoiceOverEcho, open_echo
 from edgevox.voice.echo.gate import Unechoed
@@ -65,6 +66,9 @@ class Telling:
 READ_S = 0.25
 STALLED_S = 1.0
 """A source that gives nothing for this long ends the current utterance."""
+QUIETER_DB = 6.0
+"""A follow-up may be this much quieter than the words before it: one who turns away is, and one
+who is twice as far away is not taken for that person."""
 
 
 class Listener:
@@ -92,6 +96,8 @@ class Listener:
         wakeword: Detects the wake word; speech without it is ignored, see `wake/gate.py`. None
             takes all speech.
         is_stop: Whether these words stop the robot.
+        follow_up: Tells which words count without the wake word, shortly after the robot spoke, if
+            they are as loud as the words before. None if only stop words do.
         stop_detector: Spots stop words in the sound, before the utterance ends.
         saying: What the robot says now, so that it does not stop itself.
         ending: Judges by its words whether an utterance is complete. None, in a file, and where the
@@ -116,6 +122,7 @@ class Listener:
         audible: Callable[[], float],
         wakeword: WakeDetector | None = None,
         is_stop: Callable[[str], bool] = lambda _: False,
+        follow_up: FollowUp | None = None,
         stop_detector: StopDetector | None = None,
         saying: Callable[[], str] = lambda: "",
         ending: Callable[[str], Ending] | None = None,
@@ -145,7 +152,10 @@ class Listener:
             is_stop=is_stop,
             clock=self._clock,
             ending=ending or (lambda _: Ending.OPEN),
+            follow_up=follow_up,
         )
+        self._follow_up = follow_up
+        self._person_db: float | None = None
         self._judges = ending is not None and not lossless
         self._last_s: float | None = None
         self._addressed_s = float("-inf")
@@ -264,7 +274,9 @@ class Listener:
 
     def _guess(self, speech: SpeechPaused) -> None:
         job = self._job(speech)
-        if job and not job.only_stop and self._transcriber.guess(job) and self._judges:
+        if not job or (job.unaddressed and not job.awaited):
+            return
+        if self._transcriber.guess(job) and self._judges:
             self._endpointer.end_after(ENDS_AFTER_S[Ending.OPEN])
 
     def _wait_as_long_as_words_want(self) -> None:
@@ -316,25 +328,40 @@ class Listener:
         job = self._job(speech)
         if job is None:
             return
-        if not (job.only_stop or self._is_addressed(speech.began_s)):
-            self._wake_gate.take(speech)
+        if not job.unaddressed:
+            self._person_db = loudness_db(speech.samples)
+            if not self._is_addressed(speech.began_s):
+                self._wake_gate.take(speech)
         self._understand(job)
 
     def _job(self, speech: SpeechEnded | SpeechPaused) -> TranscriptionJob | None:
         """Return the transcription job for this speech, or None if it is not for the robot."""
         if self._wakeword is None or self._is_addressed(speech.began_s):
             return TranscriptionJob(speech.samples, speech.began_s, speech.ended_s)
-        match self._wake_gate.judge(speech):
+        awaited = self._awaits(speech)
+        match self._wake_gate.judge(speech, awaited=awaited):
             case WakeDecision.TAKE:
                 start_s = self._wake_gate.phrase_from(speech)
                 phrase = "" if start_s is None else self._wakeword.phrase
                 samples = speech.samples[round((start_s or 0.0) * RATE_HZ) :]
                 return TranscriptionJob(samples, speech.began_s, speech.ended_s, phrase)
-            case WakeDecision.ONLY_STOP:
+            case WakeDecision.UNADDRESSED:
                 return TranscriptionJob(
-                    speech.samples, speech.began_s, speech.ended_s, only_stop=True
+                    speech.samples,
+                    speech.began_s,
+                    speech.ended_s,
+                    unaddressed=True,
+                    awaited=awaited,
                 )
         return None
+
+    def _awaits(self, speech: SpeechEnded | SpeechPaused) -> bool:
+        """Return whether it may be a follow-up: at its time, and as loud as the person before."""
+        if self._follow_up is None or self._person_db is None:
+            return False
+        if not self._follow_up.awaits(speech.began_s, speech.ended_s):
+            return False
+        return loudness_db(speech.samples) >= self._person_db - QUIETER_DB
 
     def _understand(self, job: TranscriptionJob) -> None:
         taken = self._transcriber.take(replace(job, spotted=self._spotted), wait=self._lossless)

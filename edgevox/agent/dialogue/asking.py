@@ -180,6 +180,18 @@ class Asking:
         """Forget the last drive, so that nothing is left to correct."""
         self._last.forget()
 
+    def follows(self, text: str) -> bool:
+        """True if these words answer the robot, correct it or are a plain command. Any thread."""
+        answer = self._answers.read(text)
+        if answer is Answer.YES and self.question.asked:
+            return True
+        if answer is Answer.NO and (self.question.asked or self._performer.moving):
+            return True
+        if self._correction(text):
+            return True
+        plain = self._interpreter.plain(text)
+        return isinstance(plain, Meaning) and plain.sure
+
     def attend(self, text: str, turn: Turn, said_s: float) -> Meaning | None:
         """Do what these words ask for, or ask first; return what was done, or None.
 
@@ -283,7 +295,13 @@ class Asking:
         return meaning
 
     def _corrected(self, text: str) -> Meaning | None:
-        """The correction of the open question or of the last drive, or None."""
+        """The correction of the open question, which it ends, or of the last drive, or None."""
+        right = self._correction(text)
+        if right:
+            self.question.end(ConfirmationStatus.DECLINED)
+        return right
+
+    def _correction(self, text: str) -> Meaning | None:
         asked, drive = self.question.asked, self._last.corrigible
         if asked:
             agent, calls = asked.meaning.agent, asked.meaning.calls
@@ -301,7 +319,6 @@ class Asking:
         right = right or self._other_way(wrong, agent, text)
         if right is None:
             return None
-        self.question.end(ConfirmationStatus.DECLINED)
         return Meaning(agent, tuple(right if c is wrong else c for c in calls), "template")
 
     def _other_way(self, wrong: Call, agent: Agent, text: str) -> Call | None:

@@ -154,6 +154,7 @@ def build_parts(stack: ExitStack, settings: Settings, body: Body | None) -> Agen
         decider=open_decider(),
         phonemes=open_phonemes() if voice else None,
         known=known_of(body) if body else NOTHING_KNOWN,
+        follow_up_s=settings.follow_up_s,
     )
     bus.subscribe(ControlChanged, lambda change: _follow(conversation, change))
     software_stop = SoftwareStop(interlock, bus, conversation.stop, because("software_stop"))
@@ -175,6 +176,7 @@ def build_parts(stack: ExitStack, settings: Settings, body: Body | None) -> Agen
             controls,
             submit=command_router.submit,
             is_stop=conversation.is_stop,
+            follow_up=conversation.follow_ups,
             ending=endings(conversation).of,
         )
         if voice

@@ -23,7 +23,7 @@ from edgevox.core.events import ControlChanged
 from edgevox.core.languages import LANGUAGES, STT_BACKEND
 from edgevox.core.log import get_logger
 from edgevox.core.settings import Settings
-from edgevox.core.speech import Ending
+from edgevox.core.speech import Ending, FollowUp
 from edgevox.models import locate
 from edgevox.models.manifest import builtin_manifest
 from edgevox.voice.audio import AudioSource
@@ -243,6 +243,7 @@ def build_listener(
     *,
     submit: Callable[[Command], None],
     is_stop: Callable[[str], bool],
+    follow_up: FollowUp,
     ending: Callable[[str], Ending],
 ) -> Listener:
     """Build the listener, not started; its commands go to `submit`.
@@ -262,6 +263,7 @@ def build_listener(
         audible=voice.sink.audible,
         wakeword=voice.wakeword,
         is_stop=is_stop,
+        follow_up=follow_up,
         stop_detector=open_stop_detector(settings),
         ending=ending,
         saying=voice.speech_output.saying,

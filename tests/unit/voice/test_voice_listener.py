@@ -173,6 +173,58 @@ def test_the_wake_word_is_forgotten_after_a_while(listen):
     assert words(said) == []
 
 
+class Answers:
+    """Awaits an answer all the time, and takes "yes"."""
+
+    def awaits(self, began_s, ended_s):
+        return began_s < ended_s
+
+    def takes(self, text, confidence, began_s, ended_s):
+        return text == "yes"
+
+
+ADDRESSED = [*[VOICE] * 20, WAKE, *spoken()]
+
+
+@pytest.mark.parametrize(
+    ("words_then", "level", "counts"),
+    [("yes", VOICE, True), ("we had lunch", VOICE, False), ("yes", VOICE // 2 - 1, False)],
+)
+def test_an_answer_by_the_same_person_needs_no_wake_word(listen, words_then, level, counts):
+    stt = Stt("hey jarvis, go to the kitchen", words_then)
+
+    said, _, _ = listen(
+        stt,
+        *[2 * one for one in ADDRESSED[:20]],
+        *ADDRESSED[20:21],
+        *[2 * one for one in ADDRESSED[21:]],
+        *[2 * level] * 20,
+        *[0] * 60,
+        wakeword=Wake(),
+        follow_up=Answers(),
+    )
+
+    assert words(said) == ["go to the kitchen"] + [words_then] * counts
+
+
+def test_a_longer_sentence_may_follow_only_while_one_is_awaited(listen):
+    long = spoken(100, after=60)
+
+    said, _, _ = listen(
+        Stt("hey jarvis, go", "yes"), *ADDRESSED, *long, wakeword=Wake(), follow_up=Answers()
+    )
+    assert words(said) == ["go", "yes"]
+
+    said, _, _ = listen(Stt("hey jarvis, go"), *ADDRESSED, *long, wakeword=Wake())
+    assert words(said) == ["go"]
+
+
+def test_nothing_follows_before_anybody_spoke_to_it(listen):
+    said, _, _ = listen(Stt("yes"), *spoken(), wakeword=Wake(), follow_up=Answers())
+
+    assert words(said) == []
+
+
 def test_a_stop_without_the_wake_word_is_heard(listen):
     said, _, _ = listen(Stt("no, stop!"), *spoken(), wakeword=Wake())
 
