@@ -4,11 +4,14 @@ Imports core, agent.skills, agent.text, robots and ros2 of edgevox. Only `EXTERN
 others; rclpy is imported when its body is built.
 """
 
+import os
+
 from edgevox.core.errors import EdgeVoxError, install_extra
 from edgevox.core.log import get_logger
 from edgevox.core.settings import Settings
 from edgevox.robots.capabilities import Body
 from edgevox.robots.plugin import Robot
+from edgevox.ros2.open import check_environment
 
 log = get_logger(__name__)
 
@@ -20,6 +23,7 @@ def _build(settings: Settings, _speed: float | None) -> Body:
     from edgevox.ros2.external.settings import ExternalSettings
     from edgevox.ros2.robot_file.load import NO_FILE
 
+    check_environment(os.environ)
     try:
         from edgevox.ros2.external.robot import ExternalRobot, StationaryRobot
         from edgevox.ros2.robot_file.skills import LoadedFile, load_described

@@ -14,7 +14,7 @@ from edgevox.core.files.validation import wrong
 from edgevox.core.files.yaml_file import value_key
 from edgevox.core.languages import LANGUAGES
 from edgevox.robots.names import LocalNames, check_told_apart
-from edgevox.ros2.external.locations import LocationsFile
+from edgevox.ros2.external.settings import LocationsFile
 from edgevox.ros2.robot_file.steps import (
     Comparison,
     GraphName,

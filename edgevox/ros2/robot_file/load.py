@@ -13,8 +13,12 @@ from edgevox.core.files.user_file import read_text
 from edgevox.core.files.validation import Problems
 from edgevox.core.files.yaml_file import YamlFile
 from edgevox.core.settings import Settings
-from edgevox.ros2.external.locations import Location, load_locations, read_locations
-from edgevox.ros2.external.settings import SteeringLimits
+from edgevox.ros2.external.settings import (
+    Location,
+    SteeringLimits,
+    load_locations,
+    read_locations,
+)
 from edgevox.ros2.robot_file.format import RobotFile, SkillEntry, StateEntry
 from edgevox.ros2.robot_file.shared import with_shared
 
