@@ -122,7 +122,8 @@ class RobotNode:
         """Choose how to drive now: by goals, or by steering if no node takes goals.
 
         The graph decides. Just after the start, the robot may not be discovered yet; this waits
-        until it is, or until discovery has taken long enough. Raises `Cancelled`.
+        until it is, or until discovery has taken long enough. A robot that is silent may also just
+        be heard late: it has `SILENT_S` more. Raises `Cancelled`.
         """
         self._wait(token, lambda: not self._cancel.pending, self._clock.now() + LOST_S)
         self._wait(
@@ -130,6 +131,9 @@ class RobotNode:
             lambda: self._takers[0].available() and self.senses.estimate() is not None,
             self._discovered_s,
         )
+        if self.senses.odometry_history.newest():
+            until_s = self._clock.now() + SILENT_S
+            self._wait(token, lambda: self.senses.estimate() is not None, until_s)
         return next((one for one in self._takers if one.available()), self._steering)
 
     def check_wheels(self) -> None:
