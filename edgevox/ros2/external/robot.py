@@ -451,7 +451,7 @@ class StationaryRobot:
 
     def start(self) -> None:
         """Join the graph. Raises `RosBridgeFailed` where that cannot be done."""
-        self._node = RosNode(self._namespace, name=EXTERNAL_NODE)
+        self._node = RosNode(self._namespace, name=EXTERNAL_NODE, own_name=True)
         for one in self._described:
             one.open(self._node.node, self._clock)
         self.ros.open(self._node.node)

@@ -67,7 +67,7 @@ class RobotNode:
     ) -> None:
         self._settings, self._clock, self._lock = settings, clock, lock
         ros_args = [*sys.argv, *settings.remappings] if settings.remappings else ()
-        self._ros = RosNode(namespace, ros_args, name=EXTERNAL_NODE)
+        self._ros = RosNode(namespace, ros_args, name=EXTERNAL_NODE, own_name=True)
         node = self._ros.node
         self.types = TopicTypes(node)
         steering = settings.steering
@@ -160,7 +160,9 @@ class RobotNode:
         return f"nothing is heard on {self.senses.odom_topic}{self._hint('odom')}"
 
     def _hint(self, topic: str) -> str:
-        """Other topics that the robot may mean by this one, in brackets; empty without any."""
+        """Why nothing comes through, or other topics that the robot may mean, in brackets."""
+        if barrier := self.types.barrier(topic):
+            return f" ({barrier})"
         there = self.types.elsewhere(topic)
         return f" (there is {', '.join(there)}: name it in a robot file's topics)" if there else ""
 

@@ -15,17 +15,16 @@ from pathlib import Path
 from typing import Any, Literal
 
 from rclpy.action import get_action_server_names_and_types_by_node
-from rclpy.duration import Infinite
 from rclpy.expand_topic_name import expand_topic_name
 from rclpy.node import Node, NodeNameNonExistentError
-from rclpy.qos import QoSCompatibility, QoSProfile, qos_check_compatible
+from rclpy.qos import QoSProfile
 
 from edgevox.core.cancel import CancelToken
 from edgevox.core.clock import SystemClock
 from edgevox.core.errors import InvalidValue
 from edgevox.core.settings import Settings, check_settings
 from edgevox.ros2.clients import TookTooLong, wait_until
-from edgevox.ros2.messages import interface_profile, profile
+from edgevox.ros2.messages import as_on_the_graph, interface_profile, profile, unheard
 from edgevox.ros2.node import RosNode
 from edgevox.ros2.robot_file.format import DescribedRobot, RobotFile, SkillEntry, load_robot_file
 from edgevox.ros2.robot_file.messages import InterfaceMissing, Kind, full_name
@@ -134,21 +133,6 @@ def look_at(node: Node) -> Offers:
                 if not _hidden(topic) and end.node_name != node.get_name():
                     found[role][topic].append(OfferedEnd(end.topic_type, end.qos_profile))
     return found
-
-
-def unheard(publisher: QoSProfile, subscriber: QoSProfile) -> str:
-    """Return the reason why a subscriber would not hear a publisher; empty if it would."""
-    verdict, reason = qos_check_compatible(publisher, subscriber)
-    if verdict != QoSCompatibility.ERROR:
-        return ""
-    said = str(reason).replace("ERROR: ", "").strip("; ")
-    return said[:1].lower() + said[1:]
-
-
-def as_on_the_graph(profile: QoSProfile) -> QoSProfile:
-    """Set the durations that the middleware decides to infinite, as it reports them of others."""
-    profile.deadline = profile.lifespan = profile.liveliness_lease_duration = Infinite
-    return profile
 
 
 def _topic_ends(node: Node) -> Iterator[tuple[Role, Callable[[str], list[Any]]]]:
