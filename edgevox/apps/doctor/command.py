@@ -118,7 +118,10 @@ def _settings(flags: Mapping[str, Any], config: Path | None) -> tuple[Settings, 
         said = f"{where}: {wrong}"
     except EdgeVoxError as wrong:
         said = str(wrong)
-    return check_settings(flags), said
+    try:
+        return check_settings(flags), said
+    except InvalidValue as wrong:  # a flag, and perhaps more
+        return check_settings({}), str(wrong)
 
 
 def _chosen(only: Sequence[str] | None) -> list[Check]:
@@ -133,7 +136,7 @@ def _parser(program: str) -> argparse.ArgumentParser:
         epilog="Exit codes: 0 no error, 1 an error (with --strict also a warning), 2"
         " wrong arguments.",
     )
-    add_flags(parser, ["plugins", "skills"])
+    add_flags(parser, ["plugins", "robot_namespace", "skills"])
     parser.add_argument(
         "--robot", choices=ROBOTS, metavar="ROBOT", help=f"check its models, too [{AGENT}]"
     )

@@ -158,9 +158,9 @@ _NEEDED = {"robot_file", "robot_namespace"}
 
 
 def probe_robot_file(situation: Situation) -> Facts:
-    """Look on the graph for the file's interfaces, if there is a file."""
+    """Look on the graph for the robot that a file or its namespace names."""
     settings = situation.settings
-    if settings.robot_file is None:
+    if not _NEEDED & settings.model_fields_set:
         return {"given": False}
     if is_secured(situation.environment):
         return {"given": True, "secured": True}
@@ -175,7 +175,8 @@ def _as_json(settings: Settings) -> str:
 def judge_robot_file(facts: Facts, situation: Situation) -> list[CheckVerdict]:
     """Judge the graph: another type is an error; a missing interface may only be switched off."""
     if not facts["given"]:
-        return [skipped("no robot file", "--robot-file FILE checks its interfaces")]
+        advice = "--robot-file FILE or --robot-namespace NAMESPACE looks for your robot"
+        return [skipped("no robot file", advice)]
     if facts.get("secured"):
         return [skipped(NOT_WITH_SECURITY)]
     if facts["wrong"]:

@@ -10,8 +10,7 @@ import difflib
 import json
 from collections import Counter, defaultdict
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
-from pathlib import Path
+from dataclasses import dataclass, replace
 from typing import Any, Literal
 
 from rclpy.action import get_action_server_names_and_types_by_node
@@ -26,7 +25,13 @@ from edgevox.core.settings import Settings, check_settings
 from edgevox.ros2.clients import TookTooLong, wait_until
 from edgevox.ros2.messages import as_on_the_graph, interface_profile, profile, unheard
 from edgevox.ros2.node import RosNode
-from edgevox.ros2.robot_file.format import DescribedRobot, RobotFile, SkillEntry, load_robot_file
+from edgevox.ros2.robot_file.format import (
+    NO_FILE,
+    DescribedRobot,
+    RobotFile,
+    SkillEntry,
+    load_robot_file,
+)
 from edgevox.ros2.robot_file.messages import InterfaceMissing, Kind, full_name
 from edgevox.ros2.robot_file.skills import SkillOff, planned_skills
 from edgevox.ros2.robot_file.steps import Step, Topic
@@ -158,8 +163,13 @@ MOST_NEAR = 3
 _ALIKE = 0.6
 
 
+_ESSENTIAL = {topic: topic for topic in ("odom", "cmd_vel")}
+WITHOUT_FILE = replace(NO_FILE, robot=RobotFile(topics=_ESSENTIAL))
+"""A robot that only a setting names: what every robot that drives has."""
+
+
 def look_for_robot(settings_json: str) -> dict[str, Any]:
-    """Look for the robot whose file these settings name.
+    """Look for the robot that these settings name, by its file or by its namespace alone.
 
     The result's keys: `wrong`, why the file cannot be used; `off`, skills whose types are not
     sourced; `others`, the number of nodes; `found`, one entry for each interface; `elsewhere`, the
@@ -168,7 +178,7 @@ def look_for_robot(settings_json: str) -> dict[str, Any]:
     settings = check_settings(json.loads(settings_json))
     facts: dict[str, Any] = {"wrong": "", "off": [], "others": 0, "found": []}
     try:
-        described = load_robot_file(Path(str(settings.robot_file)))
+        described = load_robot_file(settings.robot_file) if settings.robot_file else WITHOUT_FILE
         planned = list(planned_skills(described.robot, described.file))
     except InvalidValue as error:
         return facts | {"wrong": str(error)}
