@@ -34,6 +34,7 @@ from edgevox.core.transforms import PREFIX_EXPECTED, OdomFrame, is_prefix
 _NAMESPACE = re.compile(r"(/[A-Za-z_][A-Za-z0-9_]*)+|/")
 _HOST = r"(\[[0-9A-Fa-f:.]+\]|[A-Za-z0-9._-]+)"
 _ENDPOINT = re.compile(rf"https?://{_HOST}(:[0-9]{{1,5}})?(/[\w./~-]*)?")
+_WYOMING = re.compile(rf"(tcp|wyoming)://{_HOST}:[0-9]{{1,5}}/?")
 _SERVICES = re.compile(
     r"(?<=.)/(chat/completions|completions|models|audio/transcriptions|audio/speech)/?$"
 )
@@ -71,6 +72,16 @@ def _valid_endpoint(url: str) -> str:
     return plain
 
 
+def _valid_speech_endpoint(url: str) -> str:
+    plain = _plain_address(url)
+    if plain and not (_ENDPOINT.fullmatch(plain) or _WYOMING.fullmatch(plain)):
+        raise ValueError(
+            "the address of a server such as http://speech.example:8000 (OpenAI audio API) or"
+            " tcp://speech.example:10300 (Wyoming); its key stands in a file of its own"
+        )
+    return plain
+
+
 LanguageCode = Annotated[str, AfterValidator(language_code)]
 """The code of a language of the catalogue."""
 RosNamespace = Annotated[str, AfterValidator(_valid_namespace)]
@@ -79,6 +90,8 @@ FramePrefix = Annotated[str, AfterValidator(_valid_prefix)]
 """A prefix for the names of frames."""
 Endpoint = Annotated[str, AfterValidator(_valid_endpoint)]
 """The address of a server, without a key; empty for none."""
+SpeechEndpoint = Annotated[str, AfterValidator(_valid_speech_endpoint)]
+"""The address of a server that hears or speaks, by HTTP or Wyoming; empty for none."""
 
 
 ENV_PREFIX = "EDGEVOX_"
@@ -218,6 +231,18 @@ class Settings(BaseSettings):
         description="folder of the places that you tell the robot to remember; default:"
         " edgevox in $XDG_STATE_HOME, or in ~/.local/state",
     )
+    pictures: Path | None = Field(
+        None,
+        description="folder of the pictures that you tell the robot to take; no other robot may use"
+        " it; default: pictures in the folder of the console's recordings",
+    )
+    pictures_mb: int = Field(
+        50,
+        ge=1,
+        le=10_000_000,
+        description="size limit of all these pictures together, in megabytes; the oldest are"
+        " deleted",
+    )
     plugins: Path | None = Field(
         None,
         description="folder of plug-in packages (wheels or folders) with robots and"
@@ -301,6 +326,39 @@ class Settings(BaseSettings):
     )
     llm_endpoint_grammar: GrammarDialect = Field(
         "auto", description="how the server accepts a grammar; auto asks the server what it is"
+    )
+    stt_endpoint: SpeechEndpoint = Field(
+        "",
+        description="server to transcribe speech before the model on board: the OpenAI audio API"
+        " (http://speech:8000) or Wyoming (tcp://speech:10300); empty: none",
+    )
+    stt_endpoint_model: str = Field(
+        "", description="model to ask that server for; empty: the first that transcribes"
+    )
+    stt_endpoint_timeout: float = Field(
+        3.0, ge=0.1, le=60.0, description="longest wait for the server's transcript, in seconds"
+    )
+    stt_endpoint_key_file: Path | None = Field(
+        None, description="file with that server's API key; read again for every request"
+    )
+    tts_endpoint: SpeechEndpoint = Field(
+        "",
+        description="server to speak before the voice on board: the OpenAI audio API"
+        " (http://speech:8000) or Wyoming (tcp://speech:10200); empty: none",
+    )
+    tts_endpoint_model: str = Field(
+        "", description="model to ask that server for; empty: the first that speaks"
+    )
+    tts_endpoint_voice: str = Field(
+        "",
+        description="voice of that server, or one for each language (en=amy, de=thorsten);"
+        " empty: its first for the language",
+    )
+    tts_endpoint_timeout: float = Field(
+        3.0, ge=0.1, le=60.0, description="longest wait for the server's next sound, in seconds"
+    )
+    tts_endpoint_key_file: Path | None = Field(
+        None, description="file with that server's API key; read again for every request"
     )
     health_port: int = Field(
         0, ge=0, le=65535, description="serve /live and /ready over HTTP on this port; 0: off"

@@ -31,9 +31,11 @@ from edgevox.core.log import get_logger
 from edgevox.core.status import Component, Components, Status
 from edgevox.robots.capabilities import Body
 from edgevox.robots.node_handle import OnRos2
+from edgevox.robots.pictures import has_camera
 from edgevox.ros2.backlog import Backlog
 from edgevox.ros2.contract import DIAGNOSTICS, PARAMETERS, QUERIES, Queries, answer_json
 from edgevox.ros2.interop import Interop
+from edgevox.ros2.interop.frames import CAMERA_OPTICAL
 from edgevox.ros2.logs import Rosout
 from edgevox.ros2.messages import profile
 from edgevox.ros2.node import RosBridgeFailed, RosNode
@@ -41,7 +43,7 @@ from edgevox.ros2.open import BridgeContext, ExecutorComponent, ExecutorCounts
 from edgevox.ros2.presence import Presence
 from edgevox.ros2.skill_action import open_skill_action
 from edgevox.ros2.ticker import MakeTicker, Ticker
-from edgevox.ros2.topics import Topics
+from edgevox.ros2.topics import PicturePublisher, Topics
 
 log = get_logger(__name__)
 
@@ -291,6 +293,10 @@ class RosBridge:
             self._parts.append(context.handle)
         if context.goals and (action := open_skill_action(node, bus, context.goals, backlog)):
             self._parts.append(action)
+        if context.body and has_camera(context.body):
+            own = not isinstance(context.body, OnRos2)  # else its camera's frame is not known
+            frame = f"{values['frame_prefix']}{CAMERA_OPTICAL}" if own else ""
+            self._parts.append(PicturePublisher(node, bus, frame))
         if context.body and not isinstance(context.body, OnRos2):  # it has its own topics
             self._parts.append(self._interop(context, context.body, values, backlog))
 

@@ -64,6 +64,14 @@ INTEROP: tuple[StandardTopic, ...] = (
         5.0,
     ),
     StandardTopic(
+        "picture",
+        "sensor_msgs/msg/CompressedImage",
+        "out",
+        latched(1),
+        "the last picture that was asked for, PNG",
+        "a camera",
+    ),
+    StandardTopic(
         "cmd_vel",
         "geometry_msgs/msg/Twist",
         "in",

@@ -32,7 +32,6 @@ from edgevox.robots.relative_skills import driving_skills, where
 from edgevox.ros2.agent_node_handle import AgentNodeHandle
 from edgevox.ros2.contract import EXTERNAL_NODE
 from edgevox.ros2.external.inputs import incredible
-from edgevox.ros2.external.locations import Location
 from edgevox.ros2.external.motion import (
     MotionBackend,
     OwnSteering,
@@ -48,7 +47,7 @@ from edgevox.ros2.external.navigation import (
     ZeroVelocity,
 )
 from edgevox.ros2.external.robot_node import RobotNode
-from edgevox.ros2.external.settings import FURTHEST_M, ExternalSettings, SteeringLimits
+from edgevox.ros2.external.settings import FURTHEST_M, ExternalSettings, Location, SteeringLimits
 from edgevox.ros2.node import RosNode
 from edgevox.ros2.robot_file.skills import DescribedSkill
 from edgevox.ros2.stamps import NS_PER_S

@@ -1,11 +1,11 @@
 """Security that is asked for is enforced, or nothing starts; what ROS 2 reads of it."""
 
 import os
-import subprocess
 import sys
 
 import pytest
 from enclaves_rig import DAY, NOW, make_enclave
+from guards import run_program
 
 from edgevox.core.errors import InvalidValue
 from edgevox.core.probe import ProbeFailed
@@ -193,12 +193,9 @@ def test_without_security_in_the_middleware_nothing_starts(keystore, monkeypatch
 
 def test_the_entrypoint_ends_with_one_line_and_64_before_anything_starts(keystore):
     given = {"PATH": os.environ["PATH"], **ROBOT, "ROS_SECURITY_STRATEGY": "Permissive"}
-    ran = subprocess.run(
+    ran = run_program(
         [sys.executable, "-m", "edgevox.apps.container.start", "echo", "started"],
         env=given | {"EDGEVOX_SECURITY_KEYSTORE": str(keystore)},
-        capture_output=True,
-        text=True,
-        check=False,
     )
     assert (ran.returncode, ran.stdout) == (64, "")
     said = "edgevox: ROS_SECURITY_STRATEGY: got 'Permissive', expected Enforce\n"
