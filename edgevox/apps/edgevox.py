@@ -67,6 +67,7 @@ def _run(given: Sequence[str]) -> int:
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog="edgevox",
+        usage="%(prog)s [FLAG ...] [--ros-args ...]",
         description="A voice agent to talk to. edgevox-agent is one with a robot's body;"
         " edgevox listen shows what a microphone hears; edgevox doctor checks this machine;"
         " edgevox state moves what a robot keeps to another computer.",

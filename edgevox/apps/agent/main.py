@@ -81,7 +81,8 @@ class _ArgumentParser(argparse.ArgumentParser):
     """Loads robots and packages with skills only for those who ask for help."""
 
     def __init__(self, prog: str, description: str, epilog: str, complaint: str) -> None:
-        super().__init__(prog, description=description, epilog=epilog)
+        usage = "%(prog)s ROBOT [FLAG ...] [--ros-args ...]"
+        super().__init__(prog, usage, description=description, epilog=epilog)
         self._complaint = complaint
         self._robot = self.add_argument("robot", choices=ROBOTS, metavar="ROBOT")
 
