@@ -35,8 +35,8 @@ GROUPS: Mapping[str, tuple[str, ...]] = MappingProxyType(
             *("audio_", "wakeword", "keep_audio", "stop_spotter", "echo", "stt_", "tts_"),
         ),
         "language model": ("llm",),
-        "console": ("console",),
         "operation": ("health_", "metrics_", "log_", "leave_s", "drain_s"),
+        "console": ("console",),
     }
 )
 """The groups of the other flags in the help, by how their settings begin."""
