@@ -16,6 +16,8 @@ DOCTOR = "doctor"
 """The first argument that asks for the doctor instead."""
 LISTEN = "listen"
 """The first argument that shows what is heard instead."""
+COMPLETION = "completion"
+"""The first argument that prints the completion for a shell instead."""
 STATE = "state"
 """The first argument that exports or imports what a robot keeps instead."""
 OF_ROBOTS = FOR_BODIES | {
@@ -45,6 +47,10 @@ def main(argv: Sequence[str] | None = None) -> int:
         from edgevox.apps.state import main as state
 
         return state(given[1:])
+    if given[:1] == [COMPLETION]:
+        from edgevox.apps.completion import main as completion
+
+        return completion(given[1:])
     return _run(given)
 
 
@@ -70,7 +76,8 @@ def _parser() -> argparse.ArgumentParser:
         usage="%(prog)s [FLAG ...] [--ros-args ...]",
         description="A voice agent to talk to. edgevox-agent is one with a robot's body;"
         " edgevox listen shows what a microphone hears; edgevox doctor checks this machine;"
-        " edgevox state moves what a robot keeps to another computer.",
+        " edgevox state moves what a robot keeps to another computer;"
+        " edgevox completion prints the completion for a shell.",
         epilog="Settings come from a --config file, then EDGEVOX_* variables, then these flags.",
     )
     parser.add_argument("--version", action="version", version=__version__)

@@ -65,7 +65,7 @@ def parse_arguments(argv: Sequence[str], complaint: str = "") -> AgentArguments:
     `complaint` is said with what is wrong then: why a robot may be missing.
     """
     own, ros = split_ros_args(argv)
-    arguments = _parser(complaint).parse_args(own)
+    arguments = agent_parser(complaint).parse_args(own)
     return AgentArguments(
         arguments.robot,
         given_flags(arguments),
@@ -95,7 +95,8 @@ class _ArgumentParser(argparse.ArgumentParser):
         return super().format_help()
 
 
-def _parser(complaint: str) -> argparse.ArgumentParser:
+def agent_parser(complaint: str = "") -> argparse.ArgumentParser:
+    """The command line of edgevox-agent; `complaint` is said with what is wrong."""
     parser = _ArgumentParser(
         prog="edgevox-agent",
         description="A voice agent with a robot's body.",

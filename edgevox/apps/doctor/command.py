@@ -95,7 +95,7 @@ PROGRAM = "edgevox-doctor"
 @with_streams(PROGRAM, results=True)
 def main(argv: Sequence[str] | None = None, program: str = PROGRAM) -> int:
     """Look at the machine; 0 if EdgeVox can run on it, 1 if not, 2 for a wrong command line."""
-    arguments = _parser(program).parse_args(argv)
+    arguments = doctor_parser(program).parse_args(argv)
     settings, refused = _settings(given_flags(arguments), arguments.config)
     agent = arguments.robot or os.environ.get(AGENT, "")
     situation = Situation(settings, dict(os.environ), agent, arguments.quick, refused)
@@ -129,7 +129,8 @@ def _chosen(only: Sequence[str] | None) -> list[Check]:
     return [check for check in CHECKS if check.name in names]
 
 
-def _parser(program: str) -> argparse.ArgumentParser:
+def doctor_parser(program: str) -> argparse.ArgumentParser:
+    """The command line of the doctor."""
     parser = argparse.ArgumentParser(
         prog=program,
         description="Check whether this machine can run EdgeVox, and say how to fix problems.",
