@@ -151,7 +151,8 @@ class Interpreter:
         if asks_whether(text, self._code) and not _needs_model(self.active):
             self._say_no_ability(turn)
             return None
-        if asks(text, self._code) and self._world().named_in(text):
+        of_robot = self._model is None and is_about_hearer(text, self._code)
+        if asks(text, self._code) and (of_robot or self._world().named_in(text)):
             turn.say(self.phrases.say("not_known"))
             return None
         if self._model is None:
