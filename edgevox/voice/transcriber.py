@@ -37,6 +37,8 @@ class TranscriptionJob:
     """Whether it may be a follow-up."""
     spotted: bool = False
     """Whether a stop word was spotted in its sound."""
+    over: bool = False
+    """Whether the robot holds its answer for it."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,7 +58,8 @@ class Transcriber:
     An utterance that may be over is transcribed during the silence that ends it, so that its words
     are ready by then. An unaddressed job submits `Heard` alone, and only if `is_stop` finds a stop
     word or `follow_up` takes it; if a stop word was spotted by its sound, then without words if
-    neither does. `submit` must not raise.
+    neither does. `submit` must not raise. `stop_stt` transcribes these jobs, by default as all
+    others: what may not be for the robot need not leave it.
     """
 
     def __init__(
@@ -68,9 +71,11 @@ class Transcriber:
         is_stop: Callable[[str], bool],
         clock: Clock,
         ending: Callable[[str], Ending] = lambda _: Ending.OPEN,
+        stop_stt: SpeechToText | None = None,
         follow_up: FollowUp | None = None,
     ) -> None:
         self._stt = stt
+        self._stop_stt = stop_stt or stt
         self._submit = submit
         self._language = language
         self._is_stop = is_stop
@@ -173,7 +178,7 @@ class Transcriber:
                 self.failed += 1
                 log.exception("speech_to_text_broke")
                 if job and (job.spotted or not job.unaddressed):
-                    self._submit(Heard("", job.ended_s, spotted=job.spotted))
+                    self._submit(Heard("", job.ended_s, spotted=job.spotted, over=job.over))
 
     def _understand(self, job: TranscriptionJob) -> None:
         if not job.unaddressed and not self._told:
@@ -194,6 +199,7 @@ class Transcriber:
                 confidence=told.confidence,
                 others=told.others,
                 began_s=job.began_s,
+                over=job.over,
             )
             self._submit(heard)
 
@@ -222,7 +228,8 @@ class Transcriber:
     def _transcribe(self, job: TranscriptionJob, language: str) -> Transcript:
         """The words; none if they could not be understood, which is logged."""
         try:
-            said = self._stt.transcribe(job.samples, language)
+            stt = self._stop_stt if job.unaddressed else self._stt
+            said = stt.transcribe(job.samples, language)
         except EdgeVoxError as error:
             self.failed += 1
             log.error("speech_to_text_failed", reason=str(error))  # noqa: TRY400 - its message says it all

@@ -19,12 +19,11 @@ from hassil.parse_expression import parse_sentence
 from edgevox.agent.phrases.phrasebook import Phrasebook
 from edgevox.agent.skills import OneOf, Skill, SkillSet
 from edgevox.robots.facts import facts_of
-from edgevox.robots.humanoid.skills import walking_skills
 from edgevox.robots.navigation import navigation_skills
 from edgevox.robots.panda.skills import manipulation_skills, table_facts
 from edgevox.robots.pictures import Album, picture_skills
 from edgevox.robots.places.memory import PlaceMemory
-from edgevox.robots.relative_skills import driving_skills
+from edgevox.robots.relative_skills import driving_skills, walking_skills
 
 
 class Nobody:

@@ -15,6 +15,7 @@ from edgevox.agent.dialogue.question import OpenQuestion, Question
 from edgevox.agent.dialogue.skills import DialogueSkills
 from edgevox.agent.goals.executor import SkillExecutor
 from edgevox.agent.goals.goal import Goal
+from edgevox.agent.nlu.disfluencies import is_back_channel
 from edgevox.agent.nlu.interpreter import Interpreter
 from edgevox.agent.nlu.meaning import Meaning
 from edgevox.agent.phrases.phrasebook import Phrasebook
@@ -195,6 +196,13 @@ class Asking:
             return True
         plain = self._interpreter.plain(text)
         return isinstance(plain, Meaning) and plain.sure
+
+    def encourages(self, text: str) -> bool:
+        """True if words over the robot's speech want it to go on: "mm-hm", laughter. Any thread."""
+        if self.question.asked:
+            return False
+        said_yes = self._answers.read(text) is Answer.YES
+        return said_yes or is_back_channel(text, self._interpreter.phrases.code)
 
     def attend(self, text: str, turn: Turn, said_s: float) -> Meaning | None:
         """Do what these words ask for, or ask first; return what was done, or None.

@@ -93,6 +93,7 @@ def _hearing(data: Mapping[str, Any], ors: Sequence[str], *, spaced: bool) -> He
         unfinished=tuple(map(key, data.get("unfinished", ()))),
         goes_on=tuple(data.get("goes_on", ())),
         hesitations=tuple(data.get("hesitations", ())),
+        back_channels=tuple(data.get("back_channels", ())),
         openers=tuple(data.get("openers", ())),
     )
 

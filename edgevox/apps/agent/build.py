@@ -13,8 +13,8 @@ from edgevox import __version__
 from edgevox.agent.agents import Agent
 from edgevox.agent.conversation import Conversation
 from edgevox.agent.known import NOTHING_KNOWN
-from edgevox.agent.llm.chat.prompt import PromptPrefill
 from edgevox.agent.llm.language_model import LanguageModel, ModelFailed
+from edgevox.agent.llm.prompt import PromptPrefill
 from edgevox.agent.llm.status import LlmComponent
 from edgevox.agent.policy.status import PolicyComponent
 from edgevox.agent.text.reasons import because
@@ -129,7 +129,7 @@ def build_parts(stack: ExitStack, settings: Settings, body: Body | None) -> Agen
         muted=settings.muted,
         confirm=settings.confirm,
         voices=available_voices,
-        deafness=(lambda _: "") if settings.text_mode else deafness,
+        deafness=(lambda _: "") if settings.text_mode or settings.stt_endpoint else deafness,
     )
     voice = (
         None
@@ -356,8 +356,8 @@ def _of_voice(parts: AgentParts, gauges: Gauges) -> tuple[Component, Component, 
             controls=controls,
             gauges=gauges,
         ),
-        SttComponent(voice.stt, listener, controls),
-        TtsComponent(voice.speech_output, controls, gauges),
+        SttComponent(voice.stt, listener, controls, shared=voice.hearing.shared),
+        TtsComponent(voice.speech_output, controls, gauges, shared=voice.speech),
     )
 
 
