@@ -3,6 +3,7 @@
 import threading
 
 from support.clock import HeldClock
+from support.conversation import Eloquent
 
 from edgevox.agent.agents import Agent
 from edgevox.agent.conversation import Conversation
@@ -55,26 +56,16 @@ class PacedSpeech:
         return self.utterances[-1]
 
 
-class Story:
+class Story(Eloquent):
     """A model that tells a story of two sentences."""
 
-    name, context_tokens = "story", 4096
-
     def __init__(self):
+        super().__init__(SAY, "Once upon a time. ", "There was a robot.")
         self.seen = []
 
     def generate(self, messages, *, grammar, max_tokens, token):
         self.seen.append(messages)
-        yield from (SAY, "Once upon a time. ", "There was a robot.")
-
-    def prime(self, messages, token):
-        """Nothing to read."""
-
-    def count_tokens(self, text):
-        return len(text.split())
-
-    def close(self):
-        """Nothing to free."""
+        yield from self._pieces
 
 
 class Rig:
