@@ -67,6 +67,15 @@ def test_a_goal_pose_outside_the_world_is_refused_and_the_robot_stands(resident,
     assert len(agent_event.messages) == 1, "no call, and one refusal"
 
 
+def test_a_goal_whose_quaternion_is_all_zero_is_refused(resident, robot):
+    lines = len(resident.lines)
+    lost = goal("map", 1.0, 1.0)
+    lost.pose.orientation.w = 0.0
+    tell(robot, PoseStamped, "/edgevox/goal_pose")(lost)
+    line = resident.wait_for_line("goal_pose_refused", since=lines)
+    assert "expected a quaternion of length 1" in line
+
+
 def test_a_goal_in_an_unknown_frame_is_refused_in_a_line_that_says_why(resident, robot):
     agent_event = robot.listen("agent_event")
     lines = len(resident.lines)

@@ -135,6 +135,8 @@ class Hearing:
     """Examples of words that may follow a whole command: "90 degrees" after "turn left"."""
     hesitations: tuple[str, ...] = ()
     """Sounds of somebody who looks for words, each letter as long as may be: "uh"."""
+    back_channels: tuple[str, ...] = ()
+    """What people say while they listen, and want the speaker to go on: "mm-hm", "I see"."""
     openers: tuple[str, ...] = ()
     """Words that open a sentence and mean nothing to a robot: "and then"."""
 
@@ -148,6 +150,10 @@ class AnswerWords:
     not_: tuple[str, ...] = ()
     polite: tuple[str, ...] = ()
     little: tuple[str, ...] = ()
+    instead: tuple[str, ...] = ()
+    or_: tuple[str, ...] = ()
+    first: tuple[str, ...] = ()
+    second: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
