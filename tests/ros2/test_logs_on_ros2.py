@@ -73,7 +73,7 @@ def test_a_warning_of_ours_is_on_rosout_once_as_the_nodes_and_once_in_the_stream
     listener.peer.send("set_language", "romulan")
     wait_until(lambda: len(listener.of("message_refused")) == 2, "the other one")
     said = listener.of("message_refused")[0]
-    assert said.name == "edgevox.edgevox.ros2.topics"
+    assert said.name == "edgevox.edgevox.ros2.bridge"
     assert said.level == WARN
     assert "klingon" in said.msg
     assert said.file.endswith("topics.py")
