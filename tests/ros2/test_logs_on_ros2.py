@@ -76,7 +76,7 @@ def test_a_warning_of_ours_is_on_rosout_once_as_the_nodes_and_once_in_the_stream
     assert said.name == "edgevox.edgevox.ros2.bridge"
     assert said.level == WARN
     assert "klingon" in said.msg
-    assert said.file.endswith("topics.py")
+    assert said.file.endswith("bridge.py")
     assert said.stamp.sec > 0
     resident.wait_for_line("romulan")
     refused = [line for line in logged(resident)[before:] if line["event"] == "message_refused"]
