@@ -4,7 +4,8 @@ import pytest
 
 from edgevox.apps.agent import voice
 from edgevox.core.settings import Settings
-from edgevox.models import ModelMissing, Store
+from edgevox.models import Store
+from edgevox.models.store import ModelMissing
 
 
 class Spotter:
