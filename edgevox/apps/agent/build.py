@@ -13,10 +13,9 @@ from edgevox import __version__
 from edgevox.agent.agents import Agent
 from edgevox.agent.conversation import Conversation
 from edgevox.agent.known import NOTHING_KNOWN
-from edgevox.agent.llm.language_model import LanguageModel, ModelFailed
+from edgevox.agent.llm.language_model import LanguageModel, LlmComponent, ModelFailed
 from edgevox.agent.llm.prompt import PromptPrefill
-from edgevox.agent.llm.status import LlmComponent
-from edgevox.agent.policy.status import PolicyComponent
+from edgevox.agent.policy.guard import PolicyComponent
 from edgevox.agent.text.reasons import because
 from edgevox.apps.agent.models import (
     find_weights,

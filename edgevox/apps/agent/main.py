@@ -17,7 +17,6 @@ from edgevox.agent.phrases.name_rules import check_skills
 from edgevox.apps.agent.build import serve
 from edgevox.apps.agent.play import play, read_script
 from edgevox.apps.agent.policy import build_guard, strange_names
-from edgevox.apps.agent.snapshot import take_snapshot
 from edgevox.apps.flags import add_flags, given_flags
 from edgevox.apps.plugins import Plugins, bring_plugins, plugins_folder
 from edgevox.apps.robots import (
@@ -41,6 +40,7 @@ from edgevox.core.bus import Bus
 from edgevox.core.files.text import one_line
 from edgevox.core.settings import Settings, load_settings
 from edgevox.robots.capabilities import Body
+from edgevox.robots.pictures import take_snapshot
 from edgevox.ros2 import split_ros_args
 
 

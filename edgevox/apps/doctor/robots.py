@@ -7,11 +7,11 @@ from importlib.metadata import EntryPoint
 from pathlib import Path
 from typing import TypeVar
 
+from edgevox.agent.policy.guard import NO_FILE, explain, unknown_names
 from edgevox.agent.policy.policy import PolicyFile, local_time, read_policy_file
-from edgevox.agent.policy.status import NO_FILE, explain, unknown_names
 from edgevox.apps.agent.policy import known_names, policy_context
 from edgevox.apps.doctor.check import CheckVerdict, Facts, Situation, error, ok, skipped, warning
-from edgevox.apps.doctor.security import NOT_WITH_SECURITY, is_secured
+from edgevox.apps.doctor.ros import NOT_WITH_SECURITY, is_secured
 from edgevox.apps.plugins import Plugins, bring_plugins
 from edgevox.apps.robots import ROBOTS, build_body
 from edgevox.core.errors import EdgeVoxError, InvalidValue

@@ -22,10 +22,9 @@ from edgevox.core.clock import Clock, SystemClock
 from edgevox.core.errors import finite
 from edgevox.core.log import get_logger
 from edgevox.core.transforms import MAP, Pose2D
-from edgevox.robots.capabilities import Report, SpeedLimit, Twist2D
+from edgevox.robots.capabilities import OccupancyMap, Report, SpeedLimit, Twist2D
 from edgevox.robots.limits import Bounds
 from edgevox.robots.navigation import LOCATION, navigation_skills
-from edgevox.robots.occupancy_map import OccupancyMap
 from edgevox.robots.places.memory import PlaceMemory
 from edgevox.robots.relative_motion import Course, StraightCourse, TurnCourse
 from edgevox.robots.relative_skills import driving_skills, where

@@ -5,16 +5,7 @@ from functools import cache
 
 import pytest
 from few_languages import few
-from hassil.expression import (
-    Alternative,
-    Expression,
-    ListReference,
-    RuleReference,
-    Sequence,
-    TextChunk,
-)
-from hassil.parse_expression import parse_sentence
-from support.bodies import BODIES
+from support.bodies import BODIES, written
 
 from edgevox.agent.nlu.order_reader import ProgramReader, Unclear
 from edgevox.agent.nlu.orders import (
@@ -92,26 +83,7 @@ def worded(code: str, template: str, source: random.Random) -> str:
         **NUMBERS,
     }
 
-    def write(part: Expression) -> str:
-        match part:
-            case TextChunk():
-                return part.original_text
-            case Alternative():
-                return write(source.choice(part.items))
-            case Sequence():
-                return "".join(write(item) for item in part.items)
-            case ListReference(list_name=name):
-                return words[name]
-            case RuleReference(rule_name=name):
-                return write(_parsed(book.programs.rules[name]))
-        raise TypeError(part)
-
-    return " ".join(write(_parsed(template)).split())
-
-
-@cache
-def _parsed(template: str) -> Expression:
-    return parse_sentence(template).expression
+    return written(template, book.programs.rules, words.__getitem__, source)
 
 
 @cache
