@@ -28,7 +28,7 @@ from pydantic_settings import (
 from edgevox.core.errors import EdgeVoxError, InvalidValue
 from edgevox.core.files.user_file import read_text
 from edgevox.core.files.validation import dotted, explain
-from edgevox.core.languages import LANGUAGES
+from edgevox.core.languages import language_code
 from edgevox.core.transforms import PREFIX_EXPECTED, OdomFrame, is_prefix
 
 _NAMESPACE = re.compile(r"(/[A-Za-z_][A-Za-z0-9_]*)+|/")
@@ -39,12 +39,6 @@ _SERVICES = re.compile(
     r"(?<=.)/(chat/completions|completions|models|audio/transcriptions|audio/speech)/?$"
 )
 """What people copy with the address: the service that EdgeVox adds by itself."""
-
-
-def _known_language(code: str) -> str:
-    if code not in LANGUAGES:
-        raise ValueError("one of " + ", ".join(LANGUAGES))
-    return code
 
 
 def _valid_namespace(namespace: str) -> str:
@@ -88,7 +82,7 @@ def _valid_speech_endpoint(url: str) -> str:
     return plain
 
 
-LanguageCode = Annotated[str, AfterValidator(_known_language)]
+LanguageCode = Annotated[str, AfterValidator(language_code)]
 """The code of a language of the catalogue."""
 RosNamespace = Annotated[str, AfterValidator(_valid_namespace)]
 """A ROS 2 namespace, made absolute."""
@@ -175,7 +169,9 @@ class Settings(BaseSettings):
     written: ClassVar[Mapping[str, Any]] = {}
     """The contents of the TOML file."""
 
-    language: LanguageCode = Field("en", description="language to hear and speak, ISO 639-1 code")
+    language: LanguageCode = Field(
+        "en", description="language to hear and speak: an ISO 639-1 code, a tag or a locale"
+    )
     voice: str = Field("", description="text-to-speech voice; empty chooses by the language")
     muted: bool = Field(False, description="mute the microphone")
     confirm: Confirm = Field(
@@ -234,6 +230,18 @@ class Settings(BaseSettings):
         None,
         description="folder of the places that you tell the robot to remember; default:"
         " edgevox in $XDG_STATE_HOME, or in ~/.local/state",
+    )
+    pictures: Path | None = Field(
+        None,
+        description="folder of the pictures that you tell the robot to take; no other robot may use"
+        " it; default: pictures in the folder of the console's recordings",
+    )
+    pictures_mb: int = Field(
+        50,
+        ge=1,
+        le=10_000_000,
+        description="size limit of all these pictures together, in megabytes; the oldest are"
+        " deleted",
     )
     plugins: Path | None = Field(
         None,

@@ -56,6 +56,15 @@ class TextToSpeech(Protocol):
         `on_audible` is called once, on the playback thread, when its first sample is played.
         """
 
+    def hold(self) -> None:
+        """Fall silent within 0.1 s, for 5 s or until `release`, if an utterance plays. Any thread.
+
+        The next utterance is not held.
+        """
+
+    def release(self) -> None:
+        """Speak on, from a pause shortly before the point where it was held. Any thread."""
+
 
 class FollowUp(Protocol):
     """Tells which words are for the robot although they have no wake word. Any thread may ask."""

@@ -7,7 +7,15 @@ from functools import partial
 
 from edgevox.core.bus import Bus
 from edgevox.core.clock import Clock, SystemClock
-from edgevox.core.commands import Command, Heard, Interrupt, SpokenOn, StopSpotted, Transcribing
+from edgevox.core.commands import (
+    Command,
+    Heard,
+    Interrupt,
+    SpokenOn,
+    SpokenOver,
+    StopSpotted,
+    Transcribing,
+)
 from edgevox.core.errors import EdgeVoxError
 from edgevox.core.events import Cause, WakeWordHeard
 from edgevox.core.log import get_logger, worth_a_line
@@ -66,6 +74,8 @@ class Telling:
 READ_S = 0.25
 STALLED_S = 1.0
 """A source that gives nothing for this long ends the current utterance."""
+INTERRUPTS_FROM_FRAMES = round(1.0 / FRAME_S)
+"""Longer speech over the robot is no "mm-hm": it interrupts before its words are known."""
 QUIETER_DB = 6.0
 """A follow-up may be this much quieter than the words before it: one who turns away is, and one
 who is twice as far away is not taken for that person."""
@@ -74,9 +84,10 @@ who is twice as far away is not taken for that person."""
 class Listener:
     """Hears a source of sound, on one thread, and transcribes it on another.
 
-    Submits, from these threads: `Transcribing` and then `Heard` for each utterance; `Interrupt`,
-    without motion, as soon as a person speaks over the robot; `StopSpotted` as soon as
-    `stop_detector` hears a stop word, with a wake word or without.
+    Submits, from these threads: `Transcribing` and then `Heard` for each utterance; `SpokenOver` as
+    soon as a person speaks over the robot, and `Interrupt`, without motion, once that is more than
+    an "mm-hm"; `StopSpotted` as soon as `stop_detector` hears a stop word, with a wake word or
+    without.
 
     A fixed silence ends an utterance unless `ending` judges its words. With `ending`, a plain
     command is `Heard` at once; if the person speaks on within `GOES_ON_S`, `SpokenOn` takes it
@@ -159,6 +170,7 @@ class Listener:
         )
         self._follow_up = follow_up
         self._person_db: float | None = None
+        self._over_frames: int | None = None
         self._judges = ending is not None and not lossless
         self._last_s: float | None = None
         self._addressed_s = float("-inf")
@@ -265,13 +277,18 @@ class Listener:
         words = Frame(sound.words, frame.end_s)
         match self._endpointer.push(words, probability, surmised=surmised):
             case SpeechBegan(began_s=began_s):
-                self._interrupt_if_meant(began_s)
+                self._speak_over(began_s)
             case SpeechPaused() as speech:
                 self._guess(speech)
             case SpeechWentOn(ended_s=ended_s):
                 self._tell(SpokenOn(ended_s))
+                self._speak_over(frame.end_s)
             case SpeechEnded() as speech:
                 self._take(speech)
+        if self._over_frames is not None:
+            self._over_frames += 1
+            if self._over_frames > INTERRUPTS_FROM_FRAMES and self._endpointer.paused_at is None:
+                self._interrupt()
         if self._spotted and not self._endpointer.speaking:
             self._tell_spotted(frame.end_s)
 
@@ -318,14 +335,30 @@ class Listener:
             if self._echo.playing:
                 self._tell(Interrupt("heard the wake word", motion=False, cause=Cause.WAKE_WORD))
 
-    def _interrupt_if_meant(self, began_s: float) -> None:
-        meant = self._is_addressed(began_s) or self._wake_gate.has(began_s)
-        if meant and self._echo.playing:
-            self._tell(Interrupt("spoken over", motion=False, cause=Cause.BARGE_IN))
+    def _speak_over(self, began_s: float) -> None:
+        """Silence the robot: at once if the speech is meant for it, else until its words are known.
+
+        Whoever holds a talk button, or said the wake word, wants to be heard.
+        """
+        if not self._echo.playing:
+            return
+        if self._is_pressed(began_s) or self._wake_gate.has(began_s):
+            self._interrupt()
+        elif self._wakeword is None:
+            self._over_frames = 0
+            self._tell(SpokenOver())
+
+    def _interrupt(self) -> None:
+        self._over_frames = None
+        self._tell(Interrupt("spoken over", motion=False, cause=Cause.BARGE_IN))
 
     def _is_addressed(self, began_s: float) -> bool:
         """Return whether speech since then needs no wake word."""
-        return self._wakeword is None or self._addressed_s > began_s + FRAME_S / 2
+        return self._wakeword is None or self._is_pressed(began_s)
+
+    def _is_pressed(self, began_s: float) -> bool:
+        """Return whether the speaker has held a talk button since then."""
+        return self._addressed_s > began_s + FRAME_S / 2
 
     def _take(self, speech: SpeechEnded) -> None:
         job = self._job(speech)
@@ -367,8 +400,13 @@ class Listener:
         return loudness_db(speech.samples) >= self._person_db - QUIETER_DB
 
     def _understand(self, job: TranscriptionJob) -> None:
-        taken = self._transcriber.take(replace(job, spotted=self._spotted), wait=self._lossless)
+        over = self._over_frames is not None
+        asked = replace(job, spotted=self._spotted, over=over)
+        taken = self._transcriber.take(asked, wait=self._lossless)
         self._spotted = self._spotted and not taken
+        if over and not taken:
+            self._interrupt()
+        self._over_frames = None
 
     def _finish(self) -> None:
         """End the utterance that is going on: the next sound does not follow on it."""
@@ -380,6 +418,8 @@ class Listener:
         if self._last_s is None:
             return
         heard_s, self._last_s = self._last_s, None
+        if self._over_frames is not None:
+            self._interrupt()
         if self._stops:
             self._stops.forget()
         self._meter.reset()

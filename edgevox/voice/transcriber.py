@@ -37,6 +37,8 @@ class TranscriptionJob:
     """Whether it may be a follow-up."""
     spotted: bool = False
     """Whether a stop word was spotted in its sound."""
+    over: bool = False
+    """Whether the robot holds its answer for it."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -176,7 +178,7 @@ class Transcriber:
                 self.failed += 1
                 log.exception("speech_to_text_broke")
                 if job and (job.spotted or not job.unaddressed):
-                    self._submit(Heard("", job.ended_s, spotted=job.spotted))
+                    self._submit(Heard("", job.ended_s, spotted=job.spotted, over=job.over))
 
     def _understand(self, job: TranscriptionJob) -> None:
         if not job.unaddressed and not self._told:
@@ -197,6 +199,7 @@ class Transcriber:
                 confidence=told.confidence,
                 others=told.others,
                 began_s=job.began_s,
+                over=job.over,
             )
             self._submit(heard)
 

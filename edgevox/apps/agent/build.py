@@ -13,8 +13,8 @@ from edgevox import __version__
 from edgevox.agent.agents import Agent
 from edgevox.agent.conversation import Conversation
 from edgevox.agent.known import NOTHING_KNOWN
-from edgevox.agent.llm.chat.prompt import PromptPrefill
 from edgevox.agent.llm.language_model import LanguageModel, ModelFailed
+from edgevox.agent.llm.prompt import PromptPrefill
 from edgevox.agent.llm.status import LlmComponent
 from edgevox.agent.policy.status import PolicyComponent
 from edgevox.agent.text.reasons import because
@@ -117,7 +117,7 @@ def build_parts(stack: ExitStack, settings: Settings, body: Body | None) -> Agen
     health = _serve_health(stack, settings, components)
     bus = Bus()
     guard = build_guard(settings, bus, body)
-    robot_skills = gather_skills(body, settings)
+    robot_skills = gather_skills(body, settings, bus)
     log_strange_names(guard, robot_skills.skills)
     agents = build_agents(body, robot_skills.skills)
     stack.callback(BusLog(bus, free_text(agents)).close)

@@ -25,8 +25,13 @@ from edgevox.core.servers.http import HttpServer
 from edgevox.core.servers.offer import first_that
 from edgevox.voice.audio import RATE_HZ, Samples
 from edgevox.voice.remote.wyoming import SCHEMES, WyomingServer, answers, deadline, read_as
-from edgevox.voice.stt.plausible import Segment, parroted, plausible, transcript_of
-from edgevox.voice.stt.speech_to_text import Transcript
+from edgevox.voice.stt.speech_to_text import (
+    Segment,
+    Transcript,
+    parroted,
+    plausible,
+    transcript_of,
+)
 
 UNTOLD = 0.85
 """The likelihood of words whose server does not tell it: enough for a plain order, and asked about

@@ -3,10 +3,10 @@
 import threading
 
 import pytest
-from voice_script import VOICE, WAKE, Refuses, Script, Stt, Vad, Wake, spoken
+from voice_script import BUTTON, VOICE, WAKE, Refuses, Script, Stt, Vad, Wake, spoken
 
 from edgevox.core.bus import Bus
-from edgevox.core.commands import Heard, Interrupt, Transcribing
+from edgevox.core.commands import Heard, Interrupt, SpokenOver, Transcribing
 from edgevox.core.errors import EdgeVoxError
 from edgevox.core.events import AudioLevel, Cause, WakeWordHeard
 from edgevox.voice.audio import FRAME_S
@@ -108,14 +108,48 @@ def test_the_level_is_told_ten_times_a_second(listen):
     assert events[0].level == pytest.approx(0.5)
 
 
-def test_speaking_over_the_robot_interrupts_it_but_not_its_drive(listen):
-    said, _, _ = listen(Stt("wait"), *[0] * 10, *spoken(), audible=lambda: 0.1)
-
-    assert [type(command) for command in said] == [Interrupt, Transcribing, Heard]
-    assert said[0] == Interrupt("spoken over", motion=False, cause=Cause.BARGE_IN)
+BARGE_IN = Interrupt("spoken over", motion=False, cause=Cause.BARGE_IN)
 
 
-def test_the_interrupt_comes_with_the_first_frames_of_the_voice(listen):
+def test_short_speech_over_the_robot_holds_it_until_its_words_are_known(listen):
+    said, _, _ = listen(Stt("mm-hm"), *[0] * 10, *spoken(), audible=lambda: 0.1)
+
+    assert [type(command) for command in said] == [SpokenOver, Transcribing, Heard]
+    assert said[-1].over
+
+
+def test_longer_speech_over_the_robot_interrupts_it_before_its_words_are_known(listen):
+    said, _, _ = listen(Stt("wait"), *[0] * 10, *spoken(50), audible=lambda: 0.1)
+
+    assert said[:3] == [SpokenOver(), BARGE_IN, Transcribing()]
+    assert not said[-1].over
+
+
+def test_speech_beside_its_silence_holds_nothing(listen):
+    said, _, _ = listen(Stt("hello"), *[0] * 10, *spoken())
+
+    assert not said[-1].over
+    assert SpokenOver() not in said
+
+
+def test_who_holds_the_talk_button_interrupts_at_once(listen):
+    said, _, _ = listen(Stt("mm-hm"), *[BUTTON] * 20, *[0] * 30, audible=lambda: 0.1)
+
+    assert said[0] == BARGE_IN
+    assert not said[-1].over
+
+
+def test_who_is_muted_while_speaking_over_the_robot_has_interrupted_it(listen):
+    muted = threading.Event()
+
+    said, _, _ = listen(
+        Stt(), *[VOICE] * 10, muted.set, *spoken(), audible=lambda: 0.1, muted=muted.is_set
+    )
+
+    assert said == [SpokenOver(), BARGE_IN]
+
+
+def test_the_robot_is_held_with_the_first_frames_of_the_voice(listen):
     source = Script(*[0] * 10, *spoken(100))
     said_at = []
     listener = Listener(
@@ -132,7 +166,7 @@ def test_the_interrupt_comes_with_the_first_frames_of_the_voice(listen):
     assert listener.wait_over(60)
     listener.close()
 
-    assert said_at[0] == (Interrupt, 10 + ONSET_FRAMES)
+    assert said_at[0] == (SpokenOver, 10 + ONSET_FRAMES)
     assert ONSET_FRAMES * FRAME_S <= 0.2
 
 
@@ -143,9 +177,9 @@ def test_the_robots_own_voice_does_not_interrupt_it(listen):
 
 
 def test_without_the_gate_the_robots_own_voice_does(listen):
-    said, _, _ = listen(Stt("itself"), *spoken(), audible=lambda: 0.5, echo="none")
+    said, _, _ = listen(Stt("itself"), *spoken(50), audible=lambda: 0.5, echo="none")
 
-    assert said[0] == Interrupt("spoken over", motion=False, cause=Cause.BARGE_IN)
+    assert BARGE_IN in said
 
 
 def test_with_a_wake_word_only_what_follows_it_in_the_same_breath_is_taken(listen):
@@ -398,7 +432,7 @@ def test_and_gets_them_if_they_were_being_found_out_already(listen, caplog):
 
 
 def test_a_word_that_cannot_be_told_costs_no_utterance(listen, caplog):
-    said, _, _ = listen(Stt("wait"), *spoken(), audible=lambda: 0.1, said=Refuses(Interrupt))
+    said, _, _ = listen(Stt("wait"), *spoken(), audible=lambda: 0.1, said=Refuses(SpokenOver))
 
     assert words(said) == ["wait"]
     assert "command_untaken" in caplog.text

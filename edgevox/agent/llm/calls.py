@@ -5,9 +5,9 @@ import re
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
-from edgevox.agent.llm.chat.grammar import DO, END, HANDOFF, JOINT, SAY, grammar, literal
-from edgevox.agent.llm.chat.prompt import examples, system_prompt
+from edgevox.agent.llm.grammar import DO, END, HANDOFF, JOINT, SAY, grammar, literal
 from edgevox.agent.llm.language_model import ChatMessage
+from edgevox.agent.llm.prompt import examples, system_prompt
 from edgevox.agent.phrases.numbers import digits
 from edgevox.agent.skills import NO_SKILLS, Call, SkillSet
 from edgevox.agent.text.spelling import key

@@ -1,4 +1,9 @@
-"""Print what the robot hears, until Ctrl-C: ``python3 listen_transcriptions.py``."""
+"""Print what the robot publishes on one of its topics, until Ctrl-C: ``python3 listen.py TOPIC``.
+
+transcription    what it hears
+bot_sentence     what it says
+wakeword         the wake word, the moment it is heard: a robot could turn its head
+"""
 
 import argparse
 
@@ -7,14 +12,16 @@ from std_msgs.msg import String
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__)
+    form = argparse.RawDescriptionHelpFormatter
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=form)
+    parser.add_argument("topic", help="its name, within the namespace")
     parser.add_argument("--namespace", default="/edgevox", help="where the robot's topics are")
     arguments = parser.parse_args()
 
     rclpy.init()  # Ctrl-C shuts it down; to do so here, too, would race with that
     try:
-        node = rclpy.create_node("listen_transcriptions", namespace=arguments.namespace)
-        node.create_subscription(String, "transcription", heard, 10)
+        node = rclpy.create_node("listen", namespace=arguments.namespace)
+        node.create_subscription(String, arguments.topic, react, 10)
         while rclpy.ok():
             rclpy.spin_once(node, timeout_sec=1.0)  # Ctrl-C may not wake one that waits for ever
     except KeyboardInterrupt:
@@ -24,7 +31,7 @@ def main() -> None:
             raise
 
 
-def heard(message: String) -> None:
+def react(message: String) -> None:
     print(message.data, flush=True)
 
 

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from itertools import zip_longest
 from typing import Any
 
-from edgevox.agent.llm.chat.grammar import DO, END, HANDOFF, SAY, is_optional, literal
+from edgevox.agent.llm.grammar import DO, END, HANDOFF, SAY, is_optional, literal
 from edgevox.agent.llm.language_model import ChatMessage, LanguageModel, ModelFailed
 from edgevox.agent.phrases.load import ENGLISH, phrasebook
 from edgevox.agent.phrases.own_names import phrasebook_of
