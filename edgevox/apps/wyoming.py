@@ -16,7 +16,7 @@ from edgevox.apps.run_program import ShutdownSignals, run_program, set_up_logs
 from edgevox.apps.streams import show, with_streams
 from edgevox.core.cancel import CancelToken
 from edgevox.core.errors import EdgeVoxError, InvalidValue, install_extra
-from edgevox.core.languages import LANGUAGES, STT_BACKEND
+from edgevox.core.languages import LANGUAGES, STT_BACKEND, language_code
 from edgevox.core.settings import Settings, load_settings
 
 if TYPE_CHECKING:
@@ -166,11 +166,13 @@ class _Speaking:
 
 
 def _code(language: str | None, settings: Settings) -> str:
-    """The language code of a tag such as en-US; that of the settings for none."""
-    code = (language or settings.language).replace("_", "-").partition("-")[0].casefold()
-    if code not in LANGUAGES:
-        raise InvalidValue("language", str(language), f"one of {', '.join(LANGUAGES)}")
-    return code
+    """The code of a language's tag, such as en-US; that of the settings for none."""
+    if not language:
+        return settings.language
+    try:
+        return language_code(language)
+    except ValueError as error:
+        raise InvalidValue("language", language, str(error)) from None
 
 
 def _voices() -> Mapping[str, tuple[str, str]]:
