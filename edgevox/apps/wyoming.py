@@ -78,7 +78,9 @@ def _offer(stack: ExitStack, settings: Settings) -> "Offer":
     from edgevox.apps.agent.voice import open_hearing
     from edgevox.voice.remote.offered import Offer
 
-    hearing = open_hearing(stack, settings.model_copy(update={"stt_endpoint": ""}))
+    hearing = open_hearing(
+        stack, settings.model_copy(update={"stt_endpoint": "", "keep_audio": None})
+    )
     hearing.stt.warm_up(settings.language)
 
     def transcribe(sound: "Samples", language: str | None) -> str:
