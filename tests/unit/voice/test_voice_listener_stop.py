@@ -1,4 +1,4 @@
-"""The stop word spotter in the listener, scripted: the word is a frame whose samples are 10,000."""
+"""The stop word spotter in the listener, scripted: the word is a frame whose samples are 9000."""
 
 import numpy as np
 import pytest
@@ -11,7 +11,7 @@ from edgevox.voice.listener import Listener
 from edgevox.voice.stop_spotter.detector import WORD_S, StopWatch, may_stop
 from edgevox.voice.word_detection import OncePerWord
 
-STOP = 10_000
+STOP = 9000
 QUIET_WORD = 3000
 MUTTERED = [*[QUIET_WORD - 1] * 6, QUIET_WORD]
 """A spotter hears a word at its end."""
