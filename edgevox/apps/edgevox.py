@@ -20,6 +20,8 @@ COMPLETION = "completion"
 """The first argument that prints the completion for a shell instead."""
 STATE = "state"
 """The first argument that exports or imports what a robot keeps instead."""
+WYOMING = "wyoming"
+"""The first argument that offers hearing and voices to others instead."""
 OF_ROBOTS = FOR_BODIES | {
     "frame_prefix",
     "odom_frame",
@@ -43,6 +45,10 @@ def main(argv: Sequence[str] | None = None) -> int:
         from edgevox.apps.doctor.command import main as doctor
 
         return doctor(given[1:], f"edgevox {DOCTOR}")
+    if given[:1] == [WYOMING]:
+        from edgevox.apps.wyoming import main as wyoming
+
+        return wyoming(given[1:])
     if given[:1] == [STATE]:
         from edgevox.apps.state import main as state
 
@@ -76,8 +82,9 @@ def _parser() -> argparse.ArgumentParser:
         usage="%(prog)s [FLAG ...] [--ros-args ...]",
         description="A voice agent to talk to. edgevox-agent is one with a robot's body;"
         " edgevox listen shows what a microphone hears; edgevox doctor checks this machine;"
-        " edgevox state moves what a robot keeps to another computer;"
-        " edgevox completion prints the completion for a shell.",
+        " edgevox state moves what a robot keeps to another computer; edgevox wyoming offers"
+        " hearing and voices to Home Assistant; edgevox completion prints the completion for a"
+        " shell.",
         epilog="Settings come from a --config file, then EDGEVOX_* variables, then these flags.",
     )
     parser.add_argument("--version", action="version", version=__version__)

@@ -28,7 +28,8 @@ COMPONENTS: tuple[ComponentRow, ...] = (
     ComponentRow(
         ComponentName.STT,
         "speech to text",
-        "it is slower than speech, or more speech arrives than it can transcribe",
+        "it is slower than speech, more speech arrives than it can transcribe, or its server fails"
+        " and the model on board hears",
         "it failed on an utterance",
         "read the log; run `edgevox doctor --only models`",
     ),
@@ -42,7 +43,8 @@ COMPONENTS: tuple[ComponentRow, ...] = (
     ComponentRow(
         ComponentName.TTS,
         "text to speech",
-        "espeak-ng speaks instead of the selected voice, or a voice failed",
+        "espeak-ng speaks instead of the selected voice, a voice failed, or its server fails and"
+        " the voice on board speaks",
         "",
         "run `edgevox doctor --only models`",
     ),

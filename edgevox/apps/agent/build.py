@@ -128,7 +128,7 @@ def build_parts(stack: ExitStack, settings: Settings, body: Body | None) -> Agen
         muted=settings.muted,
         confirm=settings.confirm,
         voices=available_voices,
-        deafness=(lambda _: "") if settings.text_mode or settings.stt_endpoint else deafness,
+        deafness=(lambda _: "") if settings.text_mode else deafness,
     )
     voice = (
         None
