@@ -18,6 +18,8 @@ LISTEN = "listen"
 """The first argument that shows what is heard instead."""
 COMPLETION = "completion"
 """The first argument that prints the completion for a shell instead."""
+INTERFACES = "interfaces"
+"""The first argument that builds a robot's interfaces instead."""
 STATE = "state"
 """The first argument that exports or imports what a robot keeps instead."""
 WYOMING = "wyoming"
@@ -49,6 +51,10 @@ def main(argv: Sequence[str] | None = None) -> int:
         from edgevox.apps.wyoming import main as wyoming
 
         return wyoming(given[1:])
+    if given[:1] == [INTERFACES]:
+        from edgevox.apps.interfaces import main as interfaces
+
+        return interfaces(given[1:])
     if given[:1] == [STATE]:
         from edgevox.apps.state import main as state
 
@@ -82,6 +88,7 @@ def _parser() -> argparse.ArgumentParser:
         usage="%(prog)s [FLAG ...] [--ros-args ...]",
         description="A voice agent to talk to. edgevox-agent is one with a robot's body;"
         " edgevox listen shows what a microphone hears; edgevox doctor checks this machine;"
+        " edgevox interfaces builds a robot's ROS 2 interfaces;"
         " edgevox state moves what a robot keeps to another computer; edgevox wyoming offers"
         " hearing and voices to Home Assistant; edgevox completion prints the completion for a"
         " shell.",

@@ -19,9 +19,10 @@ from edgevox.ros2.contract import (
     TAKE_OVER,
 )
 from edgevox.ros2.contract_rows import StandardTopic
-from edgevox.ros2.robot_file.format import RobotFile, load_robot_file
+from edgevox.ros2.robot_file.format import RobotFile
 from edgevox.ros2.robot_file.graph import Role as Interface
 from edgevox.ros2.robot_file.graph import wanted_by
+from edgevox.ros2.robot_file.load import load_robot_file
 from edgevox.ros2.standard_topics import AUDIO, EXTERNAL, INTEROP, NAV2_ACTION, STANDARD
 from edgevox.security.documents import (
     CLOCK,

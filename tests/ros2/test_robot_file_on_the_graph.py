@@ -165,8 +165,9 @@ def test_a_file_that_cannot_be_used_is_told_by_its_line(domain, tmp_path):
     file = tmp_path / "robot.yaml"
     file.write_text(ROBOT_FILE.read_text("utf-8").replace("data: 7", "date: 7"))
     code, checks = ask_doctor("--robot-file", str(file), *ONLY, domain=domain)
-    (said,) = checks["robot file"]
-    assert (code, said["grade"]) == (1, "error")
+    said, missing = checks["robot file"]
+    assert (code, said["grade"], missing["grade"]) == (1, "error", "error")
+    assert "skills.vacuum" in missing["found"]
     assert "skills.blink.request.date: got 7, expected a field that is one of data" in said["found"]
 
 

@@ -176,7 +176,7 @@ AGENTS_OF: Mapping[str, str] = {"robot.yaml": "robot-external", "world.yaml": "r
 """The default robot: by the first of these files that is there."""
 MOUNTED = Path("/plugins")
 """Plug-ins that are mounted, or part of a derived image: ours has no such folder."""
-ALSO = ("scenarios", "README.md")
+ALSO = ("interfaces", "scenarios", "README.md")
 
 
 def from_folder(environment: Mapping[str, str], warn: Callable[[str], None]) -> dict[str, str]:

@@ -19,7 +19,7 @@ from edgevox.core.probe import probe_apart
 from edgevox.core.settings import Settings, check_settings
 from edgevox.robots.plugin import fault_of_robot, foreign_robot_points
 from edgevox.robots.skill_packages import chosen_skills, fault_of, installed_skills, left_out
-from edgevox.ros2.robot_file.format import load_robot_file
+from edgevox.ros2.robot_file.load import load_robot_file
 
 T = TypeVar("T")
 
@@ -180,7 +180,7 @@ def judge_robot_file(facts: Facts, situation: Situation) -> list[CheckVerdict]:
     if facts.get("secured"):
         return [skipped(NOT_WITH_SECURITY)]
     if facts["wrong"]:
-        return [error(facts["wrong"], "correct it: no agent starts with it")]
+        return [error(one, "correct it: no agent starts with it") for one in facts["wrong"]]
     off = {name: warning(f"{name} is off: {why}") for name, why in facts["off"]}
     found = [one for one in facts["found"] if one["whose"] not in off]
     if found and not any(one["types"] for one in found):

@@ -39,6 +39,7 @@ from edgevox.ros2.external.topic_types import TopicTypes
 from edgevox.ros2.messages import header
 from edgevox.ros2.node import RosNode
 from edgevox.ros2.robot_file.skills import DescribedSkill
+from edgevox.ros2.robot_file.state import RobotStates
 from edgevox.ros2.stamps import NS_PER_S, to_msg
 
 log = get_logger(__name__)
@@ -62,7 +63,7 @@ class RobotNode:
         clock: Clock,
         lock: AbstractContextManager[object],
         *,
-        described: Sequence[DescribedSkill] = (),
+        described: Sequence[DescribedSkill | RobotStates] = (),
         handle: AgentNodeHandle | None = None,
     ) -> None:
         self._settings, self._clock, self._lock = settings, clock, lock

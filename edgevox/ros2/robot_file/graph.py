@@ -25,15 +25,10 @@ from edgevox.core.settings import Settings, check_settings
 from edgevox.ros2.clients import TookTooLong, wait_until
 from edgevox.ros2.messages import as_on_the_graph, interface_profile, profile, unheard
 from edgevox.ros2.node import RosNode
-from edgevox.ros2.robot_file.format import (
-    NO_FILE,
-    DescribedRobot,
-    RobotFile,
-    SkillEntry,
-    load_robot_file,
-)
+from edgevox.ros2.robot_file.format import RobotFile, SkillEntry
+from edgevox.ros2.robot_file.load import NO_FILE, DescribedRobot
 from edgevox.ros2.robot_file.messages import InterfaceMissing, Kind, full_name
-from edgevox.ros2.robot_file.skills import SkillOff, planned_skills
+from edgevox.ros2.robot_file.skills import LoadedFile, load_described
 from edgevox.ros2.robot_file.steps import Step, Topic
 from edgevox.ros2.standard_topics import DRIVEN
 
@@ -75,6 +70,9 @@ def wanted_by(robot: RobotFile) -> Iterator[Wanted]:
     """Every interface that the file names, of skills whose types make sense, each once a skill."""
     for topic, name in robot.topics.items():
         yield _wanted_by_contract(topic, name)
+    for state, told in robot.state.items():
+        with contextlib.suppress(InterfaceMissing):  # it is off, which is told by itself
+            yield Wanted(state, "publisher", told.topic, full_name(told.type, "msg"), told.latched)
     for skill, entry in robot.skills.items():
         yield from dict.fromkeys(_wanted_by_steps(skill, entry))
 
@@ -171,19 +169,20 @@ WITHOUT_FILE = replace(NO_FILE, robot=RobotFile(topics=_ESSENTIAL))
 def look_for_robot(settings_json: str) -> dict[str, Any]:
     """Look for the robot that these settings name, by its file or by its namespace alone.
 
-    The result's keys: `wrong`, why the file cannot be used; `off`, skills whose types are not
+    The result's keys: `wrong`, all that is wrong with the file; `off`, skills whose types are not
     sourced; `others`, the number of nodes; `found`, one entry for each interface; `elsewhere`, the
     namespace that most of them are in, and how many.
     """
     settings = check_settings(json.loads(settings_json))
-    facts: dict[str, Any] = {"wrong": "", "off": [], "others": 0, "found": []}
+    facts: dict[str, Any] = {"wrong": [], "off": [], "others": 0, "found": []}
     try:
-        described = load_robot_file(settings.robot_file) if settings.robot_file else WITHOUT_FILE
-        planned = list(planned_skills(described.robot, described.file))
+        loaded = (
+            load_described(settings.robot_file) if settings.robot_file else LoadedFile(WITHOUT_FILE)
+        )
     except InvalidValue as error:
-        return facts | {"wrong": str(error)}
-    facts["off"] = [[one.name, one.reason] for one in planned if isinstance(one, SkillOff)]
-    return facts | _on_the_graph(described, settings)
+        return facts | {"wrong": [str(one) for one in error.problems]}
+    facts["off"] = [list(one) for one in loaded.off.items()]
+    return facts | _on_the_graph(loaded.described, settings)
 
 
 def _on_the_graph(described: DescribedRobot, settings: Settings) -> dict[str, Any]:

@@ -13,7 +13,7 @@ from chart_rig import ONE, chart, environment, objects, pods, solo, validate
 from edgevox.apps.container import prepared
 from edgevox.apps.recorder import parse_arguments
 from edgevox.ros2.recordings import UPLOAD_FAILED, WhenFull
-from edgevox.ros2.robot_file.format import load_robot_file
+from edgevox.ros2.robot_file.load import load_robot_file
 
 EXAMPLES = sorted(
     one for one in (chart.CHART / "examples").glob("*.yaml") if "rendered" not in one.name
