@@ -6,19 +6,32 @@ import json
 import math
 import socket
 import threading
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
 from types import SimpleNamespace
 
 import pytest
 from support.clock import HeldClock
 from waiting import wait_until
 
+from edgevox import __version__
 from edgevox.apps import health as command
 from edgevox.core.agent_events import DrainStatus
 from edgevox.core.errors import InvalidValue
 from edgevox.core.settings import ENV_PREFIX, Settings
-from edgevox.core.status import STALL_S, Components, HealthCheck, lives, moves
+from edgevox.core.status import (
+    STALL_S,
+    Components,
+    Finding,
+    HealthCheck,
+    Level,
+    Status,
+    lives,
+    moves,
+)
 from edgevox.ops.health import Health, HealthServer
 from edgevox.ops.http_server import MOST_AT_ONCE, is_here
+from edgevox.ops.system_clock import ClockComponent
 from edgevox.robots.sim_loop import SimLoop
 from edgevox.ros2.node import Heartbeat
 
@@ -315,3 +328,75 @@ def test_the_commands_variables_are_the_settings():
     names = {f"{ENV_PREFIX}{name.upper()}" for name in Settings.model_fields}
     assert {command.PORT, command.HOST} <= names
     assert Settings.model_fields["health_host"].default == command.LOOPBACK[4]
+
+
+class Part:
+    """A component that is as it is told to be."""
+
+    checks = ()
+
+    def __init__(self, name: str, look) -> None:
+        self.name, self.status = name, look
+
+
+def told_by(*parts) -> HealthServer:
+    return HealthServer(Health(Components(*parts)), "127.0.0.1", 0)
+
+
+@contextmanager
+def answering(one: HealthServer):
+    one.start()
+    try:
+        yield one
+    finally:
+        one.close()
+
+
+def test_its_status_tells_what_it_is_and_how_each_component_is(monkeypatch):
+    monkeypatch.setenv("EDGEVOX_IMAGE", "edgevox-ros2:7")
+    warned = [Finding(Level.WARN, "battery at 9 %")]
+    sim = Part("sim", lambda: Status.judged("sim", warned, battery=0.09))
+    console = Part("console", lambda: Status.judged("console", commander="Anna's phone"))
+    with answering(told_by(sim, console)) as one:
+        status, told = ask(one, "/status")
+    assert (status, told["version"], told["image"]) == (200, __version__, "edgevox-ros2:7")
+    first, second = told["components"]
+    assert first["message"] == "battery at 9 %"
+    assert (first["level"], first["values"]) == (Level.WARN, {"battery": 0.09})
+    assert (second["name"], second["values"]) == ("console", {}), "it would tell who is there"
+
+
+def test_a_component_that_hangs_keeps_nobody_from_knowing_whether_it_lives():
+    hangs = threading.Event()
+    asked = threading.Event()
+
+    def look() -> Status:
+        asked.set()
+        hangs.wait()
+        return Status.judged("sim")
+
+    with answering(told_by(Part("sim", look))) as one, ThreadPoolExecutor(1) as pool:
+        status = pool.submit(ask, one, "/status")
+        assert asked.wait(60)
+        assert ask(one, "/live")[0] == 200
+        hangs.set()
+        assert status.result()[0] == 200
+
+
+@pytest.mark.parametrize(
+    ("synchronised", "now_s", "level"),
+    [
+        (True, 2e9, Level.OK),
+        (None, 2e9, Level.OK),
+        (False, 2e9, Level.WARN),
+        (True, 1e9, Level.ERROR),
+    ],
+)
+def test_a_clock_that_is_not_synchronised_is_told_and_makes_nothing_unready(
+    synchronised, now_s, level
+):
+    clock = ClockComponent(lambda: synchronised, lambda: now_s)
+    assert clock.status().level is level
+    health = Health(Components(clock))
+    health.started()
+    assert health.ready().well
