@@ -20,14 +20,13 @@ from edgevox.apps.terminal.screen import Face
 from edgevox.apps.terminal.slash_commands import SlashContext
 from edgevox.apps.terminal.view import UpdateBuffer
 from edgevox.core.cancel import CancelToken
-from edgevox.core.clock import SystemClock
 from edgevox.core.settings import load_settings
 from edgevox.models import locate
 from edgevox.voice.audio import Samples
 from edgevox.voice.tts.piper import PiperSynthesiser
 
 IMAGE = Path(__file__).parent / "images" / "tui.svg"
-SIZE = (100, 24)
+SIZE = (120, 44)
 SPOKEN = (
     ("Where are you?", 12.0),
     ("I am so tired, I could fall asleep right here.", 16.0),
@@ -59,8 +58,10 @@ def main() -> None:
 
 async def screenshot(parts: AgentParts, updates: UpdateBuffer) -> str:
     """The screen, as SVG, when the last drive is under way and its sentence is over."""
-    context = SlashContext(parts.conversation, parts.body)
-    face = Face(updates, context, parts.queries, parts.command_router.submit, SystemClock())
+    context = SlashContext(
+        parts.conversation, parts.body, skills=parts.skills, software_stop=parts.software_stop
+    )
+    face = Face(updates, context, parts.queries, parts.command_router.submit, name=parts.name)
     async with face.run_test(size=SIZE) as pilot:
         await until(lambda: goes_to_the_kitchen(parts))
         await pilot.pause()

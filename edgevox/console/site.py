@@ -9,11 +9,11 @@ from edgevox.console.access import Access
 from edgevox.console.door import cut
 from edgevox.console.limits import PageRateLimit
 from edgevox.console.page_hub import PageHub
-from edgevox.console.page_messages import MOST_BYTES
 from edgevox.console.sessions import Role
 from edgevox.console.sockets.browser_sound import MOST_BYTES as MOST_SOUND
 from edgevox.console.sockets.browser_sound import SoundLine, SoundPage
 from edgevox.console.sockets.control import ControlPage, SocketLimits
+from edgevox.console.sockets.messages import MOST_BYTES
 from edgevox.console.sockets.pictures import PictureSocket, show
 from edgevox.core.log import get_logger
 

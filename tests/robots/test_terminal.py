@@ -213,7 +213,7 @@ def test_a_stop_that_is_typed_before_the_prompt_keeps_what_is_before_it_from_mov
         assert "Going to the" not in shown.getvalue()
 
 
-def test_the_prompt_shows_progress_a_stop_acts_at_once_and_ctrl_c_interrupts_then_leaves(prompt):
+def test_the_prompt_shows_progress_a_stop_acts_at_once_and_ctrl_c_only_stops(prompt):
     prompt.send("go to the kitchen\r")
     see(prompt, phrases.begins("navigate_to", room="kitchen"))
     see(prompt, "navigate_to room=kitchen")
@@ -226,8 +226,10 @@ def test_the_prompt_shows_progress_a_stop_acts_at_once_and_ctrl_c_interrupts_the
     prompt.send("go to the office\r")
     see(prompt, phrases.begins("navigate_to", room="office"))
     prompt.send("\x03")
-    see(prompt, "press Ctrl-C again to exit")
+    see(prompt, "stopped; Ctrl-D exits")
     prompt.send("\x03")
+    see(prompt, "stopped; Ctrl-D exits")
+    prompt.send("/quit\r")
     prompt.expect(pexpect.EOF, timeout=HUNG_S)
     prompt.wait()
     assert prompt.exitstatus == 0

@@ -283,6 +283,10 @@ class Phrasebook:
             return one.templates
         return suited(one, self._phrases(one).templates, self.rules)
 
+    def asking(self, one: Skill) -> tuple[str, ...]:
+        """The sentences that may call this skill, so that the robot asks first."""
+        return suited(one, self._phrases(one).asks, self.rules)
+
     def written_out(self, template: str) -> str:
         """A template without the names of rules."""
         return written_out(template, self.rules)
@@ -317,7 +321,7 @@ class Phrasebook:
 
     def question(self, calls: Sequence[tuple[Skill, Mapping[str, Any]]]) -> str:
         """Asks whether these calls shall be done: "Shall I go to the kitchen?"."""
-        actions = [self._action(one, arguments) for one, arguments in calls]
+        actions = [self.action(one, arguments) for one, arguments in calls]
         if all(actions):
             return self.say("shall_i", actions=self.say("and_then").join(actions))
         told = (self.acknowledge(one, a) or one.description for one, a in calls)
@@ -444,8 +448,11 @@ class Phrasebook:
         said = "" if self._speaks(one) else self._first(one, part(self._phrases(one)), values)
         return said or self._formatted(one, english, values)
 
-    def _action(self, one: Skill, arguments: Mapping[str, Any]) -> str:
-        """The part of a question about it: an English one fits no other language's sentence."""
+    def action(self, one: Skill, arguments: Mapping[str, Any]) -> str:
+        """What a call does, as the end of a question: "go to the kitchen". May be empty.
+
+        An English one fits no other language's sentence.
+        """
         if self._speaks(one):
             return self._formatted(one, one.action, arguments)
         return self._first(one, self._phrases(one).actions, arguments)

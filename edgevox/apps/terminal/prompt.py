@@ -1,4 +1,4 @@
-"""The interactive prompt. Ctrl-C once interrupts, twice leaves, as in every terminal of EdgeVox."""
+"""The interactive prompt. Ctrl-C stops the robot, as in the full-screen terminal; Ctrl-D leaves."""
 
 import sys
 from collections.abc import Sequence
@@ -13,9 +13,8 @@ from prompt_toolkit.styles import Style
 from edgevox.apps.run_program import ShutdownSignals
 from edgevox.apps.streams import show
 from edgevox.apps.terminal.slash_commands import Leave, SlashContext, is_slow, run_command
-from edgevox.apps.terminal.view import View
+from edgevox.apps.terminal.view import View, stop_line
 from edgevox.core.bus import Bus
-from edgevox.core.clock import Clock
 from edgevox.core.commands import Interrupt, TextInput, Way
 from edgevox.core.events import Cause
 from edgevox.core.files.text import printable_in_colour
@@ -24,35 +23,20 @@ from edgevox.core.log import get_logger
 log = get_logger(__name__)
 
 
-SECOND_CTRL_C_S = 2.0
-"""A second Ctrl-C within this time leaves."""
-
-
-class DoubleInterrupt:
-    """Tells a second press from a first one."""
-
-    def __init__(self, clock: Clock) -> None:
-        self._clock = clock
-        self._pressed_s = float("-inf")
-
-    def pressed(self) -> bool:
-        """Note a press; return whether it is the second one."""
-        now_s = self._clock.now()
-        if now_s - self._pressed_s < SECOND_CTRL_C_S:
-            return True
-        self._pressed_s = now_s
-        return False
-
-
-_STYLE = Style.from_dict({"bottom-toolbar": "noreverse fg:ansicyan", "prompt": "bold"})
+_STYLE = Style.from_dict(
+    {
+        "bottom-toolbar": "noreverse fg:ansicyan",
+        "prompt": "bold",
+        "stopped": "bold fg:ansiwhite bg:ansired",
+    }
+)
 
 
 class Prompt:
     """A prompt_toolkit session on the calling thread."""
 
-    def __init__(self, bus: Bus, context: SlashContext, clock: Clock) -> None:
+    def __init__(self, bus: Bus, context: SlashContext) -> None:
         self._slash_context = context
-        self._ctrl_c = DoubleInterrupt(clock)
         self._commands = ThreadPoolExecutor(1, "edgevox-commands")
         """Runs the slow ones: a stop that is typed meanwhile does not wait for them."""
         self._session: PromptSession[str] = PromptSession(
@@ -82,7 +66,8 @@ class Prompt:
         try:
             line = self._session.prompt().strip()
         except KeyboardInterrupt:
-            return self._interrupt()
+            self._interrupt()
+            return True
         except EOFError:
             return False
         return self._take(line)
@@ -108,12 +93,9 @@ class Prompt:
             log.exception("command_failed", command=line.partition(" ")[0])
         return True
 
-    def _interrupt(self) -> bool:
-        if self._ctrl_c.pressed():
-            return False
+    def _interrupt(self) -> None:
         self._slash_context.conversation.submit(Interrupt("Ctrl-C", cause=Cause.TERMINAL))
-        show("  [press Ctrl-C again to exit]")
-        return True
+        show("  [stopped; Ctrl-D exits]")
 
     def _leave(self) -> bool:
         app = self._session.app
@@ -125,6 +107,8 @@ class Prompt:
     def _toolbar(self) -> AnyFormattedText:
         app = get_app_or_none()
         width = app.output.get_size().columns if app else 80
+        if stopped := stop_line(self._slash_context.software_stop.state):
+            return [("class:stopped", stopped[: width - 1])]
         return self._view.status[: width - 1]
 
 

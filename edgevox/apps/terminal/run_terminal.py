@@ -15,7 +15,6 @@ from edgevox.apps.terminal.slash_commands import Leave, SlashContext, is_stop, r
 from edgevox.apps.terminal.view import View
 from edgevox.core.agent_events import GoalChanged
 from edgevox.core.bus import Bus
-from edgevox.core.clock import SystemClock
 from edgevox.core.commands import TextInput, Way
 from edgevox.core.motion.interlock import Interlock
 from edgevox.voice.sources.open_source import WavFiles
@@ -85,13 +84,15 @@ def run_terminal(parts: AgentParts, shutdown: ShutdownSignals) -> None:
     script: it ends the program when its last line is done. An empty stdin, or none, is nobody: the
     program runs until its WAV files are over, if it hears those, or a signal tells it to end.
     """
-    context = SlashContext(parts.conversation, parts.body, skills=parts.skills)
+    context = SlashContext(
+        parts.conversation, parts.body, skills=parts.skills, software_stop=parts.software_stop
+    )
     if _is_terminal():
         typed = typed_ahead(sys.stdin.fileno(), lambda line: is_stop(line.strip(), context))
         if parts.settings.simple_ui:
             from edgevox.apps.terminal.prompt import Prompt
 
-            Prompt(parts.bus, context, SystemClock()).run(shutdown, typed)
+            Prompt(parts.bus, context).run(shutdown, typed)
             return
         from edgevox.apps.terminal.screen import run_tui
 

@@ -1,100 +1,66 @@
 """The full-screen terminal, in Textual, run on the main thread.
 
-It shows the transcript, the current speech or action, an input line, and a side panel of a fixed
-width.
+It shows the transcript, the current speech or action, an input line, and a side panel with the
+robot. A software stop in force stands above everything.
 """
 
 import asyncio
-import math
 import os
 import sys
 import threading
 from collections import deque
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from pathlib import Path
 from typing import Any, ClassVar
 
 from rich.text import Text
+from textual import on
 from textual.app import App, ComposeResult
 from textual.binding import Binding, BindingType
-from textual.containers import Horizontal, Vertical
+from textual.containers import Horizontal, Vertical, VerticalScroll
+from textual.content import Content
+from textual.events import Resize
 from textual.message import Message
-from textual.widgets import Footer, Input, RichLog, Static
+from textual.widgets import Input, Static
 from textual.worker import Worker
 
+from edgevox.agent.phrases.load import phrasebook
 from edgevox.apps.agent.parts import AgentParts
 from edgevox.apps.run_program import ShutdownSignals
-from edgevox.apps.terminal.prompt import DoubleInterrupt
-from edgevox.apps.terminal.slash_commands import Leave, SlashContext, is_stop, run_command
-from edgevox.apps.terminal.view import ScreenUpdate, UpdateBuffer
-from edgevox.core.clock import Clock, SystemClock
+from edgevox.apps.terminal.hints import first_hint, help_text
+from edgevox.apps.terminal.panels import (
+    MOST_UNREAD,
+    WIDE_WIDTH,
+    WIDTH,
+    RobotNow,
+    latencies,
+    look_at,
+    machine,
+    meter,
+    state_text,
+    unread,
+)
+from edgevox.apps.terminal.slash_commands import (
+    COMMANDS,
+    Leave,
+    SlashContext,
+    is_stop,
+    run_command,
+)
+from edgevox.apps.terminal.themes import DARK, LIGHT, LIGHT_THEME, has_light_background
+from edgevox.apps.terminal.view import ASIDE, ScreenUpdate, UpdateBuffer, stop_line
+from edgevox.apps.terminal.widgets import CommandLine, Keys, Lines, Sheet
 from edgevox.core.commands import Command, Interrupt, SetMuted, TextInput, Way
-from edgevox.core.errors import InvalidValue
-from edgevox.core.events import Cause, State, TurnMeasured
-from edgevox.core.files.text import one_line
+from edgevox.core.errors import EdgeVoxError, InvalidValue
+from edgevox.core.events import Cause
+from edgevox.robots.capabilities import HasPlaces
 
-WIDTH = 26
-MOST_UNREAD = 1000
-_FLOOR_DB = -60.0
-_COLORS = {
-    State.LISTENING: "green",
-    State.TRANSCRIBING: "yellow",
-    State.THINKING: "magenta",
-    State.SPEAKING: "cyan",
-    State.INTERRUPTED: "red",
-}
-
-
-def state_text(state: State, *, muted: bool) -> Text:
-    """The state in its colour, and whether the microphone is off."""
-    text = Text(f"● {state}", style=f"bold {_COLORS[state]}")
-    return text.append("  muted", style="bold red") if muted else text
-
-
-def meter(level: float, *, width: int = WIDTH) -> Text:
-    """A bar from -60 dB to full scale; `level` is a root mean square, 0 to 1."""
-    decibel = 20.0 * math.log10(level) if level > 0.0 else _FLOOR_DB
-    share = min(max(1.0 - decibel / _FLOOR_DB, 0.0), 1.0)
-    filled = round(share * width)
-    return Text("▮" * filled, style="green").append("▯" * (width - filled), style="dim")
-
-
-def latencies(turns: Sequence[TurnMeasured]) -> Text:
-    """The last turns, the newest first: seconds of each stage."""
-    if not turns:
-        return Text("no turns yet", style="dim")
-    lines = ["  stt  llm  tts ttfs total"]
-    lines += [
-        f"{t.stt:5.2f}{t.llm:5.2f}{t.tts:5.2f}{t.ttfs:5.2f}{t.total:6.1f}" for t in reversed(turns)
-    ]
-    return Text("\n".join(lines))
-
-
-def unread(count: int) -> Text:
-    """Return the number of unseen lines of the log, and the key that shows them."""
-    if not count:
-        return Text("")
-    return Text(f"log: {count} new, F3" if count < MOST_UNREAD else "log: many new, F3", "yellow")
-
-
-def machine(models: Mapping[str, Any], hardware: Mapping[str, Any]) -> Text:
-    """Return the loaded models and the hardware, from `model_info` and `hardware_info`."""
-    stt, llm, tts = models["stt"], models["llm"], models["tts"]
-    gpu = hardware.get("gpu_name") or "none"
-    rows = {
-        "stt": _join(stt.get("backend"), stt.get("model_size")),
-        "llm": Path(llm["model_path"]).stem if llm.get("model_path") else "none",
-        "tts": _join(tts.get("backend"), tts.get("voice")),
-        "gpu": gpu,
-        "ram": f"{hardware['ram_gb']:.0f} GB" if hardware.get("ram_gb") else "?",
-    }
-    return Text("\n".join(one_line(f"{name} {value}")[:WIDTH] for name, value in rows.items()))
-
-
-def _join(*words: str | None) -> str:
-    return " ".join(word for word in words if word) or "none"
-
+PANEL_FROM = 70
+"""Columns from which the panel is shown, unless F2 says otherwise."""
+LOOK_S = 0.5
+"""Seconds between looks at the robot."""
+FIRST_KEYS = ("interrupt", "help", "quit")
+"""Actions whose keys a narrow screen shows."""
 
 Queries = Mapping[str, Callable[[], Mapping[str, Any]]]
 
@@ -103,26 +69,58 @@ class Changed(Message):
     """A message that there is news."""
 
 
+class Seen(Message):
+    """A message from a thread that looked at the robot, or asked what is loaded."""
+
+    def __init__(self, robot: RobotNow | None = None, machine: Content | None = None) -> None:
+        super().__init__()
+        self.robot, self.machine = robot, machine
+
+
 class Face(App[None]):
     """Shows an `UpdateBuffer`, and takes lines and keys."""
 
     TITLE = "EdgeVox"
     ENABLE_COMMAND_PALETTE = False
     CSS = f"""
-    #side {{ width: {WIDTH + 4}; border-left: solid $panel; padding: 0 1; }}
+    #stop {{
+        display: none; height: auto; padding: 0 1; text-style: bold;
+        background: #b01818; color: #ffffff;
+    }}
+    #bar {{
+        height: 1; padding: 0 1; background: $panel; color: $text;
+        text-wrap: nowrap; text-overflow: ellipsis;
+    }}
+    #side {{
+        width: {WIDTH + 4}; border-left: solid $panel; padding: 0 1;
+        scrollbar-size-vertical: 1;
+    }}
+    .-wide #side {{ width: {WIDE_WIDTH + 4}; }}
     #side Static {{ margin-bottom: 1; }}
+    .-short #side Static, .-low #side Static {{ margin-bottom: 0; }}
+    #map {{ display: none; max-height: 24; }}
+    .-tall #map {{ display: block; }}
     #transcript {{ height: 1fr; scrollbar-size-vertical: 1; }}
-    #log {{ height: 2fr; display: none; border-top: solid $panel; }}
-    #status {{ height: auto; max-height: 5; color: $text-muted; }}
+    #middle {{ height: 1fr; }}
+    #log {{
+        height: 1fr; display: none; border-top: solid $panel; scrollbar-size-vertical: 1;
+    }}
+    #status {{ height: auto; max-height: 5; padding: 0 1; color: $text-muted; }}
     #line {{ border: tall $panel; }}
+    .-low #line {{ border: none; height: 1; }}
+    Input > .input--placeholder, Input > .input--suggestion {{ color: $text-muted; }}
+    FooterKey .footer-key--key {{ color: $text; text-style: bold; }}
     """
     BINDINGS: ClassVar[list[BindingType]] = [
-        Binding("ctrl+c", "interrupt", "Stop (twice: exit)", priority=True),
-        Binding("ctrl+t", "mute", "Mute", priority=True),
+        Binding("ctrl+c", "interrupt", "Stop", priority=True),
         Binding("f1", "help", "Help", priority=True),
+        Binding("ctrl+t", "mute", "Mute", priority=True),
         Binding("f2", "panel", "Panel", priority=True),
         Binding("f3", "log", "Log", priority=True),
+        Binding("f4", "light", "Light/dark", priority=True),
         Binding("ctrl+q", "quit", "Exit", priority=True),
+        Binding("pageup", "page(-1)", "Scroll the conversation up", show=False, priority=True),
+        Binding("pagedown", "page(1)", "Scroll the conversation down", show=False, priority=True),
     ]
 
     def __init__(
@@ -131,36 +129,47 @@ class Face(App[None]):
         context: SlashContext,
         queries: Queries,
         submit: Callable[[Command], None],
-        clock: Clock,
         *,
+        name: str = "edgevox",
         typed: Sequence[str] = (),
     ) -> None:
         super().__init__()
+        self.HORIZONTAL_BREAKPOINTS = [(0, "-narrow"), (120, "-wide")]
+        self.VERTICAL_BREAKPOINTS = [(0, "-low"), (18, "-short"), (30, "-middle"), (44, "-tall")]
+        self.register_theme(LIGHT_THEME)
+        self.theme = LIGHT if has_light_background(os.environ.get("COLORFGBG", "")) else DARK
         self._typed = typed
         self._updates, self._slash_context, self._queries = updates, context, queries
         self._submit = submit
-        self._ctrl_c = DoubleInterrupt(clock)
+        self._robot = RobotNow(name)
+        self._looking = False
         self._asked_after: tuple[object, ...] = ()
-        self._muted = False
+        self._news: ScreenUpdate | None = None
+        self._panel: bool | None = None
+        self._told_exit = False
         self._unread: deque[str] = deque(maxlen=MOST_UNREAD)
         self._running_loop: asyncio.AbstractEventLoop | None = None
 
     def compose(self) -> ComposeResult:
         """The widgets."""
-        with Horizontal():
+        yield Static(id="stop", markup=False)
+        yield Static(id="bar", markup=False)
+        with Horizontal(id="middle"):
             with Vertical():
-                yield RichLog(id="transcript", wrap=True, markup=False, max_lines=5000, min_width=1)
+                yield Lines("transcript")
                 yield Static(id="status", markup=False)
-                yield RichLog(id="log", wrap=True, markup=False, max_lines=1000, min_width=1)
-            with Vertical(id="side"):
+            with VerticalScroll(id="side", can_focus=False):
+                yield Static(id="robot")
+                yield Static(id="map", markup=False)
                 yield Static(id="state")
                 yield Static(meter(0.0), id="level")
                 yield Static(id="voice", markup=False)
                 yield Static(latencies(()), id="turns")
-                yield Static(id="machine")
                 yield Static(id="unread")
-        yield Input(placeholder="Type a message, or /help", id="line")
-        yield Footer()
+                yield Static(id="machine")
+        yield Lines("log")
+        yield CommandLine(tuple(COMMANDS), self._names)
+        yield Keys(FIRST_KEYS, PANEL_FROM)
 
     def on_mount(self) -> None:
         """Listen to the bus from now on."""
@@ -168,8 +177,14 @@ class Face(App[None]):
         self.query_one("#line").focus()
         self._updates.changed = lambda: self.post_message(Changed())
         self.on_changed()
+        self.set_interval(LOOK_S, self._look)
+        self._look()
         for line in self._typed:
             self._take(line.strip())
+
+    def on_resize(self, event: Resize) -> None:
+        """Give the panel its place, or none."""
+        self._arrange(event.size.width)
 
     def leave_soon(self) -> bool:
         """End, from a signal handler; False if it does not run yet."""
@@ -180,25 +195,28 @@ class Face(App[None]):
 
     def on_changed(self) -> None:
         """Draw what is new."""
-        news = self._updates.take()
-        transcript = self.query_one("#transcript", RichLog)
+        news = self._news = self._updates.take()
+        transcript = self._base.query_one("#transcript", Lines)
         for line in news.lines:
-            transcript.write(_styled(line))
+            transcript.add(_styled(line))
         self._show_log(news.log_lines)
+        self._show_stop()
         self._static("status", news.status)
+        self._base.query_one("#status").display = bool(news.status)
         self._static("state", state_text(news.state, muted=news.muted))
         self._static("level", meter(0.0 if news.muted else news.level))
         self._static("turns", latencies(news.turns))
         self._show_voice(news)
+        self._show_robot()
 
-    def on_input_submitted(self, event: Input.Submitted) -> None:
+    @on(Input.Submitted)
+    def _submitted(self) -> None:
         """A line was typed."""
-        line = event.value.strip()
-        event.input.clear()
-        self._take(line)
+        self._take(self._base.query_one("#line", CommandLine).take())
 
     def _take(self, line: str) -> None:
         """Begin what a line says. A stop does not wait for a thread: slow commands may have all."""
+        self._told_exit = False
         if line.startswith("/") and is_stop(line, self._slash_context):
             self._updates.write(run_command(line, self._slash_context))
         elif line.startswith("/"):
@@ -209,33 +227,55 @@ class Face(App[None]):
             self._submit(TextInput(line, Way.TYPED))
 
     def action_interrupt(self) -> None:
-        """Stop talking and moving; the second time, leave."""
-        if self._ctrl_c.pressed():
-            self.exit()
-            return
+        """Stop talking and moving, however often it is pressed."""
         self._submit(Interrupt("Ctrl-C", cause=Cause.TERMINAL))
+        if not self._told_exit:
+            self._told_exit = True
+            self._updates.write("  [stopped; Ctrl-Q exits]")
 
     def action_mute(self) -> None:
         """Stop or start hearing."""
-        self._submit(SetMuted(not self._muted))
+        self._submit(SetMuted(not (self._news and self._news.muted)))
 
     def action_help(self) -> None:
-        """Show what can be typed."""
-        self.run_worker(lambda: self._command("/help"), thread=True)
+        """Show what can be typed, and the keys."""
+        self.push_screen(Sheet(help_text(self.BINDINGS)))
 
     def action_panel(self) -> None:
         """Show or hide the side panel."""
-        side = self.query_one("#side")
-        side.display = not side.display
+        self._panel = not self._base.query_one("#side").display
+        self._arrange(self.size.width)
+
+    def action_page(self, pages: int) -> None:
+        """Scroll the conversation by a screen, wherever the cursor is."""
+        transcript = self._base.query_one("#transcript", Lines)
+        transcript.scroll_relative(y=pages * transcript.size.height, animate=False)
+
+    def action_light(self) -> None:
+        """Change between light and dark."""
+        self.theme = DARK if self.theme == LIGHT else LIGHT
 
     def action_log(self) -> None:
         """Show or hide the log; what is shown is read."""
-        log = self.query_one("#log")
+        log = self._base.query_one("#log")
         log.display = not log.display
         self._show_log(())
 
+    @property
+    def _base(self) -> Any:
+        """The screen below a sheet."""
+        return self.screen_stack[0]
+
+    def _arrange(self, width: int) -> None:
+        shown = width >= PANEL_FROM if self._panel is None else self._panel
+        self._base.query_one("#side").display = shown
+        self._base.query_one("#bar").display = not shown
+
     def _command(self, line: str) -> None:
         """A slash command, off the event loop: it may take long."""
+        if line.strip().lower() == "/help":
+            self.call_from_thread(self.action_help)
+            return
         try:
             answer = run_command(line, self._slash_context)
         except Leave:
@@ -251,14 +291,18 @@ class Face(App[None]):
 
         A widget would keep all.
         """
-        log = self.query_one("#log", RichLog)
+        log = self._base.query_one("#log", Lines)
         self._unread.extend(lines)
         while log.display and self._unread:
-            log.write(Text.from_ansi(self._unread.popleft()))
+            log.add(Text.from_ansi(self._unread.popleft()))
         self._static("unread", unread(len(self._unread)))
 
+    def _show_stop(self) -> None:
+        told = stop_line(self._slash_context.software_stop.state)
+        self._static("stop", told)
+        self._base.query_one("#stop").display = bool(told)
+
     def _show_voice(self, news: ScreenUpdate) -> None:
-        self._muted = news.muted
         self._static("voice", f"language {news.language}\nvoice {news.voice or 'best'}")
         # What is loaded may be loaded, or replaced, while it runs: a turn shows what it needed.
         now = (news.language, news.voice, news.turns)
@@ -269,17 +313,60 @@ class Face(App[None]):
     def _ask_machine(self) -> Worker[None]:
         def ask() -> None:
             answer = machine(self._queries["model_info"](), self._queries["hardware_info"]())
-            self.call_from_thread(lambda: self._static("machine", answer))
+            self.post_message(Seen(machine=answer))
 
         return self.run_worker(ask, thread=True, exclusive=True, group="machine")
 
-    def _static(self, name: str, content: str | Text) -> None:
-        self.query_one(f"#{name}", Static).update(content)
+    def _look(self) -> None:
+        """Look at the robot, off the event loop: it may answer late."""
+        if self._looking:
+            return
+        self._looking = True
+        shown = self._base.query_one("#map")
+        columns = shown.size.width if shown.display and shown.size.width else 0
+        body, name = self._slash_context.body, self._robot.name
+
+        def look() -> None:
+            try:
+                robot = look_at(body, name, columns)
+            except EdgeVoxError:  # it does not know where it is
+                robot = RobotNow(name)
+            self.post_message(Seen(robot))
+
+        self.run_worker(look, thread=True, group="robot")
+
+    def on_seen(self, seen: Seen) -> None:
+        """Draw what a thread has found."""
+        if seen.machine:
+            self._static("machine", seen.machine)
+        if seen.robot:
+            self._looking = False
+            self._robot = seen.robot
+            self._show_robot()
+
+    def _show_robot(self) -> None:
+        self._static("robot", self._robot.text)
+        self._static("map", self._robot.map)
+        if self._news:
+            state = state_text(self._news.state, muted=self._news.muted)
+            self._static("bar", state + Content(f"  {self._robot.line}"))
+
+    def _names(self) -> Sequence[str]:
+        """The places of the robot, as its language calls them."""
+        body = self._slash_context.body
+        if not isinstance(body, HasPlaces):
+            return ()
+        phrases = phrasebook(self._news.language if self._news else "en")
+        return [str(phrases.word(one)) or one.replace("_", " ") for one in body.places]
+
+    def _static(self, name: str, content: str | Content) -> None:
+        self._base.query_one(f"#{name}", Static).update(content)
 
 
 def _styled(line: str) -> Text:
-    """Return the line; a question of the user is bold."""
-    return Text(line, style="bold" if line.startswith(">") else "")
+    """Return the line; a question of the user is bold, what is said about a turn is cursive."""
+    style = "bold" if line.startswith(">") else "italic" if line.startswith(ASIDE) else ""
+    return Text(line, style=style)
 
 
 @contextmanager
@@ -321,11 +408,22 @@ def run_tui(parts: AgentParts, shutdown: ShutdownSignals, typed: Sequence[str] =
     What was `typed` before it was drawn is done first.
     """
     updates = UpdateBuffer(parts.bus, parts.controls)
-    for note in parts.notes:
+    for note in (*parts.notes, *first_hint(parts)):
         updates.write(note)
-    context = SlashContext(parts.conversation, parts.body, columns=COLUMNS, skills=parts.skills)
+    context = SlashContext(
+        parts.conversation,
+        parts.body,
+        columns=COLUMNS,
+        skills=parts.skills,
+        software_stop=parts.software_stop,
+    )
     face = Face(
-        updates, context, parts.queries, parts.command_router.submit, SystemClock(), typed=typed
+        updates,
+        context,
+        parts.queries,
+        parts.command_router.submit,
+        name=parts.name,
+        typed=typed,
     )
     shutdown.gently = face.leave_soon
     try:

@@ -2,7 +2,7 @@
 
 import json
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from edgevox.agent.conversation import Conversation
@@ -12,6 +12,7 @@ from edgevox.core.commands import Interrupt, Reset
 from edgevox.core.errors import EdgeVoxError
 from edgevox.core.events import Cause
 from edgevox.core.files.text import one_line, printable
+from edgevox.core.motion.software_stop import SoftwareStop
 from edgevox.robots.capabilities import Body, HasMap
 
 MAP_COLUMNS = 60
@@ -30,11 +31,16 @@ class SlashContext:
     body: Body | None
     columns: int = MAP_COLUMNS
     skills: tuple[Skill, ...] = ()
+    software_stop: SoftwareStop = field(kw_only=True)
+
+
+def command_rows() -> list[tuple[str, str]]:
+    """Each command as it is typed, and what it does."""
+    return [(f"/{name} {one.takes}".rstrip(), one.about) for name, one in COMMANDS.items()]
 
 
 def _help(_: SlashContext) -> str:
-    names = {f"/{name} {command.takes}": command.about for name, command in COMMANDS.items()}
-    lines = [f"  {name:<15} {about}" for name, about in names.items()]
+    lines = [f"  {typed:<15} {about}" for typed, about in command_rows()]
     return "\n".join(["Type what you want to say to the robot, or a command:", *lines])
 
 
@@ -71,6 +77,13 @@ def _skills(context: SlashContext) -> str:
 def _stop(context: SlashContext) -> str:
     context.conversation.submit(Interrupt("typed /stop", cause=Cause.TERMINAL))
     return "Robot stopped."
+
+
+def _resume(context: SlashContext) -> str:
+    if not context.software_stop.state.engaged:
+        return "No software stop is in force."
+    context.software_stop.resume("the terminal")
+    return "The robot may move again."
 
 
 def _reset(context: SlashContext) -> str:
@@ -112,6 +125,7 @@ COMMANDS: Mapping[str, SlashCommand] = {
     "state": SlashCommand("show the robot's state", _state),
     "skills": SlashCommand("list the robot's skills", _skills),
     "stop": SlashCommand("stop the robot and its voice", _stop, stops=True),
+    "resume": SlashCommand("lift the software stop", _resume),
     "reset": SlashCommand("stop and reset the conversation", _reset, stops=True),
     "restart": SlashCommand("reset the robot and its world", _restart),
     "quit": SlashCommand("exit", _quit),

@@ -4,26 +4,38 @@
 """
 
 import threading
+import time
 from collections import Counter, deque
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from edgevox.core.agent_events import AgentEvent, GoalCancelled, GoalChanged, GoalStatus, HandedOver
+from edgevox.core.agent_events import (
+    AgentEvent,
+    GoalCancelled,
+    GoalChanged,
+    GoalStatus,
+    HandedOver,
+    SoftwareStopChanged,
+)
 from edgevox.core.bus import Bus
 from edgevox.core.controls import Controls
 from edgevox.core.events import (
     AudioLevel,
     ControlChanged,
+    Decided,
+    Outcome,
     Responded,
     SentenceReady,
     State,
     StateChanged,
     TokenGenerated,
     Transcribed,
+    TurnEnded,
     TurnMeasured,
     WakeWordHeard,
 )
 from edgevox.core.files.text import clean, one_line, printable_in_colour
+from edgevox.core.motion.software_stop import StopState
 
 BAR_WIDTH = 20
 
@@ -102,6 +114,8 @@ class View:
         match event:
             case HandedOver(giver=giver, taker=taker):
                 self._write(f"  [{giver} hands over to {taker}]")
+            case SoftwareStopChanged(engaged=engaged, by=by):
+                self._write(f"  [{'stopped' if engaged else 'resumed'} by {by}]")
             case GoalChanged() | GoalCancelled():
                 with self._lock:
                     self._progress = _progress(event)
@@ -117,6 +131,31 @@ def _progress(goal: GoalChanged | GoalCancelled) -> str:
         return call
     filled = round(done * BAR_WIDTH)
     return f"{call}  {'█' * filled}{'░' * (BAR_WIDTH - filled)} {done:4.0%}"
+
+
+def stop_line(stop: StopState) -> str:
+    """The line about a software stop in force; empty while there is none."""
+    if not stop.engaged:
+        return ""
+    at = time.strftime("%H:%M:%S", time.localtime(stop.since))
+    return f"STOPPED by {one_line(stop.by)} {at}. Nothing moves. /resume lifts it."
+
+
+ASIDE = "  · "
+"""Begins a line about a turn: how it was understood, and its outcome."""
+
+
+def turn_line(decided: Decided | None, outcome: Outcome) -> str:
+    """How a turn was understood, how sure that is, and its outcome; empty for a plain answer."""
+    ended = str(outcome).replace("_", " ")
+    if decided is None:
+        return "" if outcome is Outcome.ANSWERED else f"{ASIDE}{ended}"
+    calls = ", ".join(
+        f"{skill}({', '.join(f'{name}={value}' for name, value in arguments.items())})"
+        for skill, arguments in decided.calls
+    )
+    sure = "" if decided.confidence is None else f", {decided.confidence:.0%} sure"
+    return f"{ASIDE}{ended}: {calls or 'no skill'} by {decided.stage}{sure}"
 
 
 TURNS = 5
@@ -155,12 +194,15 @@ class UpdateBuffer:
         self._level = 0.0
         self._turns: deque[TurnMeasured] = deque(maxlen=TURNS)
         self._told = False
+        self._decided: Decided | None = None
         self.changed: Callable[[], object] = lambda: None
         self._view = View(bus, self.write, self._tell)
         self._forget = [
             bus.subscribe(StateChanged, self._on_state),
             bus.subscribe(AudioLevel, self._on_level),
             bus.subscribe(TurnMeasured, self._on_turn),
+            bus.subscribe(Decided, self._on_decided),
+            bus.subscribe(TurnEnded, self._on_ended),
             bus.subscribe(WakeWordHeard, lambda event: self.write(f"  [{event.phrase}]")),
             bus.subscribe(ControlChanged, lambda _: self._tell()),
         ]
@@ -229,3 +271,15 @@ class UpdateBuffer:
         with self._lock:
             self._turns.append(event)
         self._tell()
+
+    def _on_decided(self, event: Decided) -> None:
+        self._decided = event
+
+    def _on_ended(self, event: TurnEnded) -> None:
+        decided, self._decided = self._decided, None
+        if event.outcome is None:
+            return
+        if decided and decided.turn != event.turn:
+            decided = None
+        if line := turn_line(decided, event.outcome):
+            self.write(line)

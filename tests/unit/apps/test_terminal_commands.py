@@ -5,14 +5,19 @@ import pytest
 from edgevox.agent.agents import Agent
 from edgevox.agent.conversation import Conversation
 from edgevox.agent.skills import SkillSet
+from edgevox.agent.text.reasons import because
 from edgevox.apps.terminal.slash_commands import SlashContext, is_slow, is_stop
 from edgevox.core.bus import Bus
+from edgevox.core.motion.interlock import Interlock
+from edgevox.core.motion.software_stop import SoftwareStop
 
 
 @pytest.fixture
 def context():
-    agents = [Agent("nobody", "", SkillSet(()))]
-    return SlashContext(Conversation(agents, Bus(), halt=lambda _: False), None)
+    agents, bus = [Agent("nobody", "", SkillSet(()))], Bus()
+    stop = SoftwareStop(Interlock(), bus, lambda _: None, because("software_stop"))
+    talk = Conversation(agents, bus, halt=lambda _: False)
+    return SlashContext(talk, None, software_stop=stop)
 
 
 @pytest.mark.parametrize("line", ["/stop", "/STOP", "/stop ", "/reset", "stop", "Please stop!"])

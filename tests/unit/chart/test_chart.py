@@ -7,7 +7,7 @@ import pytest
 import yaml
 from chart_rig import ONE, chart, environment, objects, pods, solo, validate
 
-from edgevox.agent.policy.file import PolicyFile, parse_policy
+from edgevox.agent.policy.policy import PolicyFile, parse_policy
 from edgevox.core.status import STALL_S
 from edgevox.core.version import DECLARED
 

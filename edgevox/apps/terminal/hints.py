@@ -1,0 +1,59 @@
+"""What the full-screen terminal says about itself: the help, and what to try first."""
+
+from collections.abc import Sequence
+
+from textual.binding import Binding, BindingType
+
+from edgevox.apps.agent.example import example_command
+from edgevox.apps.agent.parts import AgentParts
+from edgevox.apps.terminal.slash_commands import command_rows
+from edgevox.core.languages import LANGUAGES
+
+
+def help_text(bindings: Sequence[BindingType]) -> str:
+    """What can be typed, and all keys."""
+    keys = [
+        (_key_name(one.key), one.description)
+        for one in bindings
+        if isinstance(one, Binding) and one.description
+    ]
+    keys += [
+        ("Up, Down", "Bring back an earlier line"),
+        ("Tab", "Complete a command, a place or an earlier line"),
+    ]
+    return "\n".join(
+        (
+            "Type what the robot should do, or a command:",
+            "",
+            _table(command_rows()),
+            "",
+            "Keys:",
+            "",
+            _table(keys),
+            "",
+            "Escape closes this.",
+        )
+    )
+
+
+def first_hint(parts: AgentParts) -> list[str]:
+    """What to try, and how to speak."""
+    language = parts.controls.language
+    example = example_command(parts.conversation, parts.skills)
+    named = "" if language == "en" else f" The robot understands {LANGUAGES[language].name}."
+    lines = [f"Type what the robot should do{f': {example}' if example else ''}.{named}"]
+    if parts.voice:
+        word = parts.settings.wakeword
+        lines.append(f'Or say "{word}", then speak.' if word else "Or speak: it always listens.")
+    return [*lines, "Ctrl-C stops the robot. F1 shows commands and keys.", ""]
+
+
+def _table(rows: Sequence[tuple[str, str]]) -> str:
+    """Rows of a name and what it is, the names of one width."""
+    width = max(len(name) for name, _ in rows)
+    return "\n".join(f"  {name:<{width}}  {about}" for name, about in rows)
+
+
+def _key_name(key: str) -> str:
+    """A key as people write it: "Ctrl-C", "F1"."""
+    return "-".join(part.capitalize() for part in key.split("+"))
