@@ -49,7 +49,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     if not 0 < arguments.port < 1 << 16:
         show(f"edgevox-health: {PORT} or --port: a port from 1 to 65535", error=True)
         return USAGE_ERROR
-    look = _drain if arguments.path == DRAIN else _ask
+    look = _drain if arguments.path == DRAIN else ask
     host = reachable(arguments.host)
     try:
         timeout_s = FROZEN_TIMEOUT_S if arguments.end_frozen else TIMEOUT_S
@@ -67,7 +67,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 def _lives(host: str, port: int) -> bool:
     try:
-        return _ask(host, port, "/live", timeout_s=FROZEN_TIMEOUT_S)[0] == http.client.OK
+        return ask(host, port, "/live", timeout_s=FROZEN_TIMEOUT_S)[0] == http.client.OK
     except (OSError, http.client.HTTPException):
         return False
 
@@ -145,11 +145,11 @@ def _parser() -> argparse.ArgumentParser:
 
 def _drain(host: str, port: int, path: str, *, timeout_s: float) -> tuple[int, str]:
     """Begin it, and ask until it is over or later than it said. Raises where the agent has gone."""
-    status, text = _ask(host, port, path, "PUT", timeout_s=timeout_s)
+    status, text = ask(host, port, path, "PUT", timeout_s=timeout_s)
     until_s = time.monotonic() + _within_s(text) + MARGIN_S
     while status == http.client.ACCEPTED and time.monotonic() < until_s:
         time.sleep(LOOK_S)
-        status, text = _ask(host, port, path, timeout_s=timeout_s)
+        status, text = ask(host, port, path, timeout_s=timeout_s)
     return status, text
 
 
@@ -160,14 +160,21 @@ def _within_s(text: str) -> float:
         return 0.0
 
 
-def _ask(
-    host: str, port: int, path: str, method: str = "GET", *, timeout_s: float
+def ask(
+    host: str,
+    port: int,
+    path: str,
+    method: str = "GET",
+    *,
+    timeout_s: float,
+    most_bytes: int = 1 << 16,
 ) -> tuple[int, str]:
+    """A program's answer: its HTTP status, and what it says. Raises `OSError`, `HTTPException`."""
     connection = http.client.HTTPConnection(host, port, timeout=timeout_s)
     try:
         connection.request(method, path)
         answer = connection.getresponse()
-        return answer.status, answer.read(1 << 16).decode("utf-8", "replace")
+        return answer.status, answer.read(most_bytes).decode("utf-8", "replace")
     finally:
         connection.close()
 
