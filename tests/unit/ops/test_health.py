@@ -4,6 +4,7 @@ import contextlib
 import http.client
 import json
 import math
+import resource
 import socket
 import threading
 from concurrent.futures import ThreadPoolExecutor
@@ -264,7 +265,19 @@ def test_the_command_tells_and_its_exit_code_does(health, server, monkeypatch, c
     assert command.main(["--ready"]) == command.WELL
 
 
+@pytest.fixture
+def _full_disk(tmp_path):
+    """Nobody can write a byte to a file."""
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (0, before[1]))
+    yield
+    resource.setrlimit(resource.RLIMIT_FSIZE, before)
+
+
+@pytest.mark.usefixtures("_full_disk")
 def test_an_agent_that_was_alive_and_is_frozen_is_killed_after_a_while(monkeypatch, tmp_path):
+    with pytest.raises(OSError, match="File too large"):
+        (tmp_path / "other").write_text("x")
     killed = []
     monkeypatch.setattr(command, "FROZEN_NOTE", tmp_path / "note")
     monkeypatch.setattr(command, "agents_of_init", lambda: [7])
@@ -295,10 +308,19 @@ def test_a_health_check_notes_whether_the_agent_lives(health, server, monkeypatc
     assert not note.exists()
     said["dead"] = ""
     assert command.main(["--ready", "--end-frozen"]) == 1, "alive, and not ready yet"
-    assert note.read_text() == ""
+    assert note.stat().st_mtime == 0
     said["dead"] = "stuck"
     command.main(["--ready", "--end-frozen"])
-    assert float(note.read_text()) > 0
+    assert note.stat().st_mtime > 0
+
+
+def test_a_health_check_says_how_it_is_where_it_can_note_nothing(
+    health, server, monkeypatch, tmp_path
+):
+    monkeypatch.setenv("EDGEVOX_HEALTH_PORT", str(server.port))
+    monkeypatch.setattr(command, "FROZEN_NOTE", tmp_path / "gone" / "note")
+    health.started()
+    assert command.main(["--ready", "--end-frozen"]) == command.WELL
 
 
 def test_only_a_containers_own_agent_is_killed(tmp_path):
