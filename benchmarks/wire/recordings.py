@@ -38,7 +38,8 @@ from edgevox.ros2.recordings import METADATA, folders, opened
 
 TOPIC = "numbered"
 RATE_HZ = 100.0
-PAYLOAD = "x" * 4000
+PAYLOAD_BYTES = 2000
+"""Random, as pictures and scans are for a compressor."""
 FAIL_EVERY_S, OUTAGE_S, PAUSE_S = 10.0, 4.0, 3.0
 UPLOADED_S = 120.0
 RESTART_S = 10.0
@@ -97,11 +98,11 @@ def _run(folder: Path, seconds: float, stack: ExitStack) -> Iterator[Figure]:
     numbers = _numbers(stored)
     missing = sorted(set(published) - set(numbers))
     gaps = _gaps(missing, published)
+    begins = [published[0], *recorders.kills]
     allowed = [
         (begin, end)
         for begin, end in gaps
-        if any(begin - FLUSH_S - 1.0 <= at <= end for at in recorders.kills)
-        and end - begin < RESTART_S
+        if any(at - FLUSH_S - 1.0 <= begin and end <= at + RESTART_S for at in begins)
     ]
     gap = max((end - begin for begin, end in gaps), default=0.0)
     rest = len(gaps) - len(allowed)
@@ -170,13 +171,14 @@ def _uploader(folder: Path, output: Path, config: Path) -> tuple[list[str], Mapp
 
 
 def _environment() -> dict[str, str]:
-    """This process's without what a site has set for its own store."""
+    """The variables of this process, without what a site has set for its own store."""
     return {name: value for name, value in os.environ.items() if not name.startswith("AWS_")}
 
 
 def _publish(peer: Peer, seconds: float, faults: list[Callable[[], None]]) -> dict[int, float]:
     """When each number was published; the faults one after the other, meanwhile."""
-    peer.send(TOPIC, f"0 {PAYLOAD}")
+    payload = random.Random(0)
+    peer.send(TOPIC, "0 ")
     published = {0: time.monotonic()}
     over = threading.Event()
 
@@ -196,7 +198,7 @@ def _publish(peer: Peer, seconds: float, faults: list[Callable[[], None]]) -> di
             pause = time.monotonic() + 2 * FAIL_EVERY_S + random.Random(len(published)).random()
         number = len(published)
         published[number] = time.monotonic()
-        peer.send(TOPIC, f"{number} {PAYLOAD}")
+        peer.send(TOPIC, f"{number} {payload.randbytes(PAYLOAD_BYTES).hex()}")
     over.set()
     failing.join()
     time.sleep(2 * FLUSH_S)
