@@ -13,7 +13,7 @@ import sys
 import time
 from collections import deque
 from collections.abc import Iterable, Iterator, Mapping
-from contextlib import ExitStack
+from contextlib import ExitStack, suppress
 from importlib import metadata
 
 from edgevox import __version__
@@ -26,6 +26,8 @@ from edgevox.core.probe import ProbeFailed, probe_apart
 from edgevox.core.settings import ENV_PREFIX, Settings
 
 REMOVED = "<removed>"
+KEY_FILE = "_key_file"
+"""How settings end that name the file of a key."""
 GRAPH = "edgevox.ros2.doctor:graph"
 MOST_LOG_BYTES = 20 * 2**20
 """Of the log; its last lines count."""
@@ -77,11 +79,10 @@ def secrets_of(settings: Settings, environment: Mapping[str, str]) -> Iterator[s
     for name, value in environment.items():
         if _SECRET_NAME.search(name):
             yield value
-    if key := settings.llm_endpoint_key_file:
-        try:
-            yield key.read_text("utf-8", "replace").strip()
-        except OSError:
-            return
+    for name, file in settings:
+        if name.endswith(KEY_FILE) and file:
+            with suppress(OSError):  # a file that is not there holds no key
+                yield file.read_text("utf-8", "replace").strip()
 
 
 def bundle(doctor: str, situation: Situation, logs: str) -> bytes:

@@ -15,6 +15,7 @@ from edgevox.apps.doctor import bundle as bundled
 from edgevox.apps.doctor.bundle import REMOVED, Redaction, without_speech
 from edgevox.apps.edgevox import main
 from edgevox.core.probe import ProbeFailed
+from edgevox.core.settings import Settings
 from edgevox.core.status import Components, Status
 from edgevox.ops.health import Health, HealthServer
 
@@ -40,7 +41,6 @@ LINES = [
     "AKIAPLANTEDPLANTED01",
     "eyJplantedplanted.planted.planted",
     *("edgevox-ros2-1  | " + line for line in PEM.replace("MIIE", "planted").splitlines()),
-    "the key file holds file-key-planted here",
     "variable sk-planted-variable in another sentence",
 ]
 
@@ -63,13 +63,18 @@ def written(tmp_path: Path, *more: str) -> dict[str, str]:
 
 @pytest.mark.usefixtures("_no_ros")
 def test_no_secret_is_in_it(tmp_path, monkeypatch) -> None:
-    key = tmp_path / "llm.key"
-    key.write_text("file-key-planted\n")
+    keys = [name for name in Settings.model_fields if name.endswith("_key_file")]
+    assert len(keys) >= 3
+    for name in keys:
+        key = tmp_path / name
+        key.write_text(f"{name}-planted\n")
+        monkeypatch.setenv(f"EDGEVOX_{name.upper()}", str(key))
     log = tmp_path / "edgevox.log"
-    log.write_text("\n".join([*LINES, "the last line"]))
+    log.write_text(
+        "\n".join([*LINES, *(f"it holds {one}-planted" for one in keys), "the last line"])
+    )
     for name, value in PLANTED.items():
         monkeypatch.setenv(name, value)
-    monkeypatch.setenv("EDGEVOX_LLM_ENDPOINT_KEY_FILE", str(key))
     files = written(tmp_path, "--logs", str(log))
     for name, text in files.items():
         assert not re.search("planted(?!-misspelled)", text, re.IGNORECASE), (name, text)
