@@ -12,10 +12,12 @@ from rich.console import Console  # noqa: TID251 - its cells are printable text
 from rich.table import Table
 from rich.text import Text
 
+from edgevox.apps.doctor.bundle import bundle
 from edgevox.apps.doctor.check import Check, CheckAnswer, Situation, ask
 from edgevox.apps.doctor.checks import CHECKS
 from edgevox.apps.flags import add_flags, given_flags
 from edgevox.apps.robots import ROBOTS
+from edgevox.apps.state import write_archive
 from edgevox.apps.streams import show, with_streams
 from edgevox.core.errors import EdgeVoxError, InvalidValue
 from edgevox.core.files.text import one_line, printable
@@ -100,12 +102,27 @@ def main(argv: Sequence[str] | None = None, program: str = PROGRAM) -> int:
     agent = arguments.robot or os.environ.get(AGENT, "")
     situation = Situation(settings, dict(os.environ), agent, arguments.quick, refused)
     answers = ask(_chosen(arguments.only), situation)
+    if arguments.bundle:
+        return _write_bundle(program, as_json(answers), situation, arguments)
     if arguments.json:
         show(as_json(answers))
     else:
         print_table(answers)
     limit = Level.WARN if arguments.strict else Level.ERROR
     return UNWELL if worst(answers) >= limit else WELL
+
+
+def _write_bundle(
+    program: str, doctor: str, situation: Situation, arguments: argparse.Namespace
+) -> int:
+    """Write the archive; what the doctor found wrong is in it, and no failure of this."""
+    try:
+        if write_archive(bundle(doctor, situation, arguments.logs), arguments.bundle):
+            show(f"{arguments.bundle}: read it before you send it; it names machines and rooms")
+    except OSError as error:
+        show(f"{program}: {error}", error=True)
+        return UNWELL
+    return WELL
 
 
 def _settings(flags: Mapping[str, Any], config: Path | None) -> tuple[Settings, str]:
@@ -147,6 +164,18 @@ def doctor_parser(program: str) -> argparse.ArgumentParser:
         default=argparse.SUPPRESS,
         metavar="FILE",
         help=f"look on the graph for what this robot file names [{ENV_PREFIX}ROBOT_FILE]",
+    )
+    parser.add_argument(
+        "--bundle",
+        metavar="FILE",
+        help="write one archive for support, without secrets: this report, settings, versions,"
+        " health, metrics and ROS 2's graph; - for the output",
+    )
+    parser.add_argument(
+        "--logs",
+        default="",
+        metavar="FILE",
+        help="also put the last lines of this log into the archive; - for the input",
     )
     parser.add_argument("--json", action="store_true", help="print one JSON object")
     parser.add_argument("--strict", action="store_true", help="fail on warnings as well")
