@@ -101,7 +101,8 @@ def rights_of(role: EnclaveRole, graph: Graph, enclave: str) -> Rights:
         case EnclaveRole.ROBOT:
             return _agent(graph)
         case EnclaveRole.RECORDER:
-            return is_node(graph.at(RECORDER_NODE)) | hears(graph) | _hears_sound(graph)
+            own = is_node(graph.at(RECORDER_NODE)) | publishes(DIAGNOSTICS.topic)
+            return own | hears(graph) | _hears_sound(graph)
         case EnclaveRole.LISTENER:
             return _shell(enclave) | hears(graph)
         case EnclaveRole.TOOLS:

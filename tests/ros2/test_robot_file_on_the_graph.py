@@ -3,6 +3,7 @@
 import pytest
 from doctor_process import ask_doctor
 from geometry_msgs.msg import TwistStamped
+from nav_msgs.msg import Odometry
 from robot_file_rig import NAMESPACE, ROBOT_FILE, Asked, interfaces
 from sensor_msgs.msg import CompressedImage
 from std_msgs.msg import Int32
@@ -124,6 +125,25 @@ def test_a_topic_of_the_contract_with_another_type_is_told_and_one_of_its_other_
     fits = "sensor_msgs/msg/LaserScan or sensor_msgs/msg/PointCloud2"
     told = f"topics: publisher {NAMESPACE}/scan has the type {INT}, and not {fits}"
     assert about(said, "topics") == [("error", told, "its node has to change")]
+
+
+def test_a_robot_without_a_file_is_looked_for_by_its_namespace(domain, peer):
+    node = peer("/plain").node
+    node.create_publisher(Odometry, "/plain/platform/odom", 1)
+    node.create_subscription(Int32, "/plain/cmd_vel", print, 1)
+
+    code, checks = ask_doctor("--robot-namespace", "plain", *ONLY, domain=domain)
+
+    fits = "geometry_msgs/msg/Twist or geometry_msgs/msg/TwistStamped"
+    misfit = f"topics: subscriber /plain/cmd_vel has the type {INT}, and not {fits}"
+    assert code == 1
+    assert [(one["found"], one["advice"]) for one in checks["robot file"]] == [
+        (
+            "topics: publisher /plain/odom is not there",
+            "there is /plain/platform/odom (nav_msgs/msg/Odometry)",
+        ),
+        (misfit, "its node has to change"),
+    ]
 
 
 @pytest.mark.long

@@ -240,6 +240,15 @@ class SmallTalk:
     answer: str
 
 
+@dataclass(frozen=True, slots=True)
+class HouseAct:
+    """Something that people ask of a robot in a house: languages/en.toml explains each field."""
+
+    words: tuple[str, ...]
+    cannot: str
+    by: tuple[str, ...] = ()
+
+
 @dataclass(frozen=True)
 class Phrasebook:
     """The phrases of one language; the skills and the English `fallback` fill its gaps."""
@@ -259,6 +268,7 @@ class Phrasebook:
     dialogue: Mapping[str, SkillPhrases] = field(default_factory=dict)
     small_talk: tuple[SmallTalk, ...] = ()
     declined: tuple[SmallTalk, ...] = ()
+    acts: Mapping[str, HouseAct] = field(default_factory=dict)
     links: tuple[str, ...] = ()
     answers: AnswerWords = field(default_factory=AnswerWords)
     smoothing: tuple[Rewriting, ...] = ()

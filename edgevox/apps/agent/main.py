@@ -15,7 +15,6 @@ from edgevox import __version__
 from edgevox.apps.agent.build import serve
 from edgevox.apps.agent.check import check_robot
 from edgevox.apps.agent.play import play, read_script
-from edgevox.apps.agent.snapshot import take_snapshot
 from edgevox.apps.flags import add_flags, given_flags
 from edgevox.apps.plugins import Plugins, bring_plugins, plugins_folder
 from edgevox.apps.robots import (
@@ -34,6 +33,7 @@ from edgevox.apps.run_program import (
 )
 from edgevox.apps.streams import with_streams
 from edgevox.core.settings import load_settings
+from edgevox.robots.pictures import take_snapshot
 from edgevox.ros2 import split_ros_args
 
 
@@ -58,7 +58,7 @@ def parse_arguments(argv: Sequence[str], complaint: str = "") -> AgentArguments:
     `complaint` is said with what is wrong then: why a robot may be missing.
     """
     own, ros = split_ros_args(argv)
-    arguments = _parser(complaint).parse_args(own)
+    arguments = agent_parser(complaint).parse_args(own)
     return AgentArguments(
         arguments.robot,
         given_flags(arguments),
@@ -74,7 +74,8 @@ class _ArgumentParser(argparse.ArgumentParser):
     """Loads robots and packages with skills only for those who ask for help."""
 
     def __init__(self, prog: str, description: str, epilog: str, complaint: str) -> None:
-        super().__init__(prog, description=description, epilog=epilog)
+        usage = "%(prog)s ROBOT [FLAG ...] [--ros-args ...]"
+        super().__init__(prog, usage, description=description, epilog=epilog)
         self._complaint = complaint
         self._robot = self.add_argument("robot", choices=ROBOTS, metavar="ROBOT")
 
@@ -87,7 +88,8 @@ class _ArgumentParser(argparse.ArgumentParser):
         return super().format_help()
 
 
-def _parser(complaint: str) -> argparse.ArgumentParser:
+def agent_parser(complaint: str = "") -> argparse.ArgumentParser:
+    """The command line of edgevox-agent; `complaint` is said with what is wrong."""
     parser = _ArgumentParser(
         prog="edgevox-agent",
         description="A voice agent with a robot's body.",

@@ -31,13 +31,13 @@ from edgevox.robots.capabilities import (
     HasPlaces,
     HasPose,
     LidarScan,
+    OccupancyMap,
     ReceivesMap,
     ReceivesPictures,
     RemembersPlaces,
     TakesVelocity,
 )
 from edgevox.robots.limits import Steering
-from edgevox.robots.occupancy_map import OccupancyMap
 from edgevox.robots.places.skills import REMEMBER
 from edgevox.robots.shapes import Circle, Point, Shape, place
 from edgevox.robots.world.model import Thing, World

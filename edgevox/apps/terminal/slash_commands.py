@@ -7,13 +7,13 @@ from pathlib import Path
 
 from edgevox.agent.conversation import Conversation
 from edgevox.agent.skills import Skill
-from edgevox.apps.agent.snapshot import check_picture, write_picture
 from edgevox.core.commands import Interrupt, Reset
 from edgevox.core.errors import EdgeVoxError
 from edgevox.core.events import Cause
 from edgevox.core.files.text import one_line, printable
 from edgevox.core.motion.software_stop import SoftwareStop
 from edgevox.robots.capabilities import Body, HasMap
+from edgevox.robots.pictures import check_picture, write_picture
 
 MAP_COLUMNS = 60
 NO_ROBOT = "No robot is running."

@@ -23,10 +23,9 @@ from edgevox.core.errors import finite
 from edgevox.core.log import get_logger
 from edgevox.core.transforms import MAP, Pose2D
 from edgevox.robots.battery import battery_skill
-from edgevox.robots.capabilities import HasBattery, Report, SpeedLimit, Twist2D
+from edgevox.robots.capabilities import HasBattery, OccupancyMap, Report, SpeedLimit, Twist2D
 from edgevox.robots.limits import Bounds
 from edgevox.robots.navigation import LOCATION, navigation_skills
-from edgevox.robots.occupancy_map import OccupancyMap
 from edgevox.robots.places.memory import PlaceMemory
 from edgevox.robots.relative_motion import Course, StraightCourse, TurnCourse
 from edgevox.robots.relative_skills import driving_skills, where
@@ -474,7 +473,7 @@ class StationaryRobot:
 
     def start(self) -> None:
         """Join the graph. Raises `RosBridgeFailed` where that cannot be done."""
-        self._node = RosNode(self._namespace, name=EXTERNAL_NODE)
+        self._node = RosNode(self._namespace, name=EXTERNAL_NODE, own_name=True)
         for one in self._described:
             one.open(self._node.node, self._clock)
         self.ros.open(self._node.node)
