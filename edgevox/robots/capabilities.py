@@ -336,7 +336,7 @@ class HasBattery(Protocol):
     """Runs on a charge that gets less."""
 
     def battery(self) -> float:
-        """Charge left, 0 to 1."""
+        """Charge left, 0 to 1. Raises `SkillFailed` while a robot does not tell it."""
 
 
 @runtime_checkable
@@ -353,6 +353,19 @@ class MeasuresWays(Protocol):
 
     def way_m(self, x_m: float, y_m: float) -> float:
         """Metres of the way to a point, from here. Raises `SkillFailed` where no way leads."""
+
+
+@runtime_checkable
+class FromFile(Protocol):
+    """Is described by a file of its owner."""
+
+    @property
+    def skills_off(self) -> Mapping[str, str]:
+        """The skills of the file that it cannot do, each with the reason."""
+
+    @property
+    def file_sentences(self) -> Mapping[tuple[str, str, str], str]:
+        """The skill, the language and the template of each sentence; and its place in the file."""
 
 
 @runtime_checkable

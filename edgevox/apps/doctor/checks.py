@@ -139,7 +139,8 @@ CHECKS: tuple[Check, ...] = (
     ),
     Check(
         "robot file",
-        "every interface of the robot file is on the graph, with its type and QoS",
+        "every interface of the robot file, or the robot of `robot_namespace`, is on the graph,"
+        " with its type and QoS",
         robots.probe_robot_file,
         robots.judge_robot_file,
         needs=("ros2", "domain"),

@@ -4,7 +4,6 @@ Python, processor, memory, disks, clock, GPU, OpenGL without a display; settings
 be writable, container; the models that the settings need: whether they are here, and intact.
 """
 
-import ctypes
 import os
 import platform
 import sys
@@ -33,6 +32,7 @@ from edgevox.models import Store
 from edgevox.models.manifest import Model, ModelFile
 from edgevox.models.store import has_right_bytes, is_whole
 from edgevox.ops.machine import MIB, DiskSpace, room, rooms, unwritable
+from edgevox.ops.system_clock import NEVER_SET_BEFORE_S, synchronised
 
 _WITH_CAMERA = ("robot-panda", "robot-humanoid")
 
@@ -93,8 +93,6 @@ PYTHONS = ((3, 11), (3, 12), (3, 13))
 VOICE_MIB = 600
 """Speech recognition, voices and the rest, beside the language model."""
 LEAST_CORES = 2
-_UNSYNCHRONISED = 0x40  # STA_UNSYNC of adjtimex(2)
-_BUILT_S = 1_704_067_200.0  # 2024: a clock before that was never set
 
 
 def probe_python(_: Situation) -> Facts:
@@ -209,28 +207,19 @@ def judge_disk(facts: Facts, _: Situation) -> list[CheckVerdict]:
 
 def probe_clock(_: Situation) -> Facts:
     """The time, and whether the kernel believes it."""
-    return {"now": time.time(), "synchronised": _synchronised()}
+    return {"now": time.time(), "synchronised": synchronised()}
 
 
 def judge_clock(facts: Facts, _: Situation) -> CheckVerdict:
     """Other machines compare stamps with their own clocks."""
     when = time.strftime("%Y-%m-%d %H:%M UTC", time.gmtime(facts["now"]))
-    if facts["now"] < _BUILT_S:
+    if facts["now"] < NEVER_SET_BEFORE_S:
         return error(f"it is {when}: the clock was never set", "set it: sudo timedatectl set-ntp 1")
     if facts["synchronised"] is False:
-        advice = "time stamps of machines disagree: sudo timedatectl set-ntp 1, or chrony"
+        advice = "time stamps of machines disagree: sudo timedatectl set-ntp 1"
         return warning(f"{when}, not synchronised", advice)
     known = "synchronised" if facts["synchronised"] else "synchronisation unknown"
     return ok(f"{when}, {known}")
-
-
-def _synchronised() -> bool | None:
-    """Return whether the kernel's clock is synchronised; None where that may not be asked."""
-    asked = (ctypes.c_int * 64)()  # struct timex: `modes` first, of zero, so that nothing is set
-    if ctypes.CDLL(None, use_errno=True).adjtimex(asked) < 0:
-        return None
-    status = asked[10]  # after modes (with padding), offset, freq, maxerror and esterror
-    return not status & _UNSYNCHRONISED
 
 
 def _llm_bytes(settings: Settings) -> int:

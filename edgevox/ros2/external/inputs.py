@@ -75,7 +75,8 @@ class MapInput:
         self._newest: tuple[OccupancyMap, str] | None = None
         self._lock = threading.Lock()
         self._heard_ns: deque[int] = deque(maxlen=8)
-        types.follow(MAP_TOPIC, {DRIVEN[MAP_TOPIC].type: partial(self._open, node)})
+        ways = {DRIVEN[MAP_TOPIC].type: partial(self._open, node)}
+        types.follow(MAP_TOPIC, ways, least=reliable(1))
 
     def newest(self) -> tuple[OccupancyMap, str] | None:
         """The map and the frame that it is in; None before the first. May take long."""

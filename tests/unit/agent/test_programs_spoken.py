@@ -12,6 +12,8 @@ from edgevox.agent.nlu.orders import (
     After,
     Arrived,
     BatteryBelow,
+    Do,
+    Pause,
     Program,
     Repeat,
     Return,
@@ -64,7 +66,7 @@ PLACES = {
     "ja": "キッチンと書斎",
     "zh": "厨房和书房",
 }
-KINDS = ("low", "after", "until", "times", "arrived", "saying", "back", "patrol", "clock")
+KINDS = ("low", "wait", "after", "until", "times", "arrived", "saying", "back", "patrol", "clock")
 
 
 def worded(code: str, template: str, source: random.Random) -> str:
@@ -105,6 +107,8 @@ def is_one(code: str, kind: str, program: object) -> bool:
             return True
         case "after", After(delay_s=delay_s):
             return delay_s in (10.0, 300.0, 310.0, 7200.0, 7500.0)
+        case "wait", Steps(steps=(Do(), Pause(seconds=seconds), *_)):
+            return seconds in (10.0, 300.0, 310.0, 7200.0, 7500.0)
         case (("until" | "patrol"), Repeat(count=None)):
             return True
         case "times", Repeat(count=3.0):
@@ -145,6 +149,14 @@ ENGLISH_WORDS = [
     ("go to the office in an hour and a half", After),
     ("in ninety seconds say the tea is ready", After),
     ("go to the kitchen twice", Repeat),
+    ("go two times to the kitchen", Repeat),
+    ("go to the kitchen, wait there for ten seconds and come back", Steps),
+    ("go to the kitchen, stay there for ten seconds, then go to the office", Steps),
+    ("go to the kitchen and stay there for ten seconds", Steps),
+    (
+        "go to the kitchen, wait ten seconds, go to the office, then to the bedroom",
+        type(None),
+    ),
     ("patrol the kitchen, the office and the bedroom", Repeat),
     ("drive to the kitchen over and over again", Repeat),
     ("go to the kitchen when your battery falls under 15 percent", When),
