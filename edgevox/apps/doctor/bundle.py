@@ -19,7 +19,7 @@ from importlib import metadata
 from edgevox import __version__
 from edgevox.apps.container.environment import ENVIRONMENT
 from edgevox.apps.doctor.check import Situation
-from edgevox.apps.doctor.security import NOT_WITH_SECURITY, is_secured
+from edgevox.apps.doctor.ros import NOT_WITH_SECURITY, is_secured
 from edgevox.apps.health import ask, reachable
 from edgevox.apps.state import STREAM, tar_of
 from edgevox.core.probe import ProbeFailed, probe_apart
