@@ -87,7 +87,7 @@ def test_driving_needs_its_state_and_the_robots_own_sentence_stands_alone(talk, 
 def test_the_robots_own_reason_is_said_as_it_is_and_quick_skills_say_only_their_end(talk, asked):
     talk.ask_until("is the door open", "The door is shut.")
     asked.do("refuse")
-    assert talk.answer("honk") == "The horn says: Traceback: no horn"
+    assert talk.answer("honk") == "The horn says: Traceback: no horn."
     asked.do("obey")
     assert talk.answer("honk") == "That was loud."
 
