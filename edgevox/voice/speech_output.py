@@ -75,6 +75,7 @@ class SpeechOutput:
         self._played: tuple[str, ...] = ()
         self._open: list[SpeakingUtterance] = []
         self._held: SpeakingUtterance | None = None
+        self._silenced: SpeakingUtterance | None = None
         self._unplayed_s = 0.0
         self._closed = False
         self.refused = 0
@@ -124,7 +125,7 @@ class SpeechOutput:
     def hold(self) -> None:
         """Implements `TextToSpeech`."""
         with self._changed:
-            held = self._held = next(iter(self._open), None)
+            held = self._held = self._silenced = next(iter(self._open), None)
         if held:
             self._note_unplayed(self._silence())
 
@@ -242,7 +243,7 @@ class SpeechOutput:
 
     def _hold_back(self, utterance: SpeakingUtterance) -> float | None:
         """Wait while it is held; the seconds that were not played, None if it was not held."""
-        if self._held is not utterance:
+        if self._silenced is not utterance:
             return None
         self._note_unplayed(self._silence())
         with self._changed:
@@ -250,7 +251,7 @@ class SpeechOutput:
                 lambda: self._held is not utterance or utterance.token.cancelled or self._closed,
                 HELD_S,
             )
-            self._held = None
+            self._held = self._silenced = None
             unplayed_s, self._unplayed_s = self._unplayed_s, 0.0
             return unplayed_s
 
@@ -290,8 +291,8 @@ class SpeechOutput:
             if utterance not in self._open:
                 return
             self._open.remove(utterance)
-            if self._held is utterance:
-                self._held, self._unplayed_s = None, 0.0
+            if self._silenced is utterance:
+                self._held, self._silenced, self._unplayed_s = None, None, 0.0
             self._sounds = deque(one for one in self._sounds if one.utterance is not utterance)
             self._ahead_s = sum(_seconds(one) for one in self._sounds)
             self._changed.notify_all()
