@@ -44,6 +44,7 @@ from edgevox.apps.terminal.slash_commands import (
     COMMANDS,
     Leave,
     SlashContext,
+    is_sheet,
     is_stop,
     run_command,
 )
@@ -51,7 +52,7 @@ from edgevox.apps.terminal.themes import DARK, LIGHT, LIGHT_THEME, has_light_bac
 from edgevox.apps.terminal.view import ASIDE, ScreenUpdate, UpdateBuffer, stop_line
 from edgevox.apps.terminal.widgets import CommandLine, Keys, Lines, Sheet
 from edgevox.core.commands import Command, Interrupt, SetMuted, TextInput, Way
-from edgevox.core.errors import EdgeVoxError, InvalidValue
+from edgevox.core.errors import EdgeVoxError
 from edgevox.core.events import Cause
 from edgevox.robots.capabilities import HasPlaces
 
@@ -239,7 +240,11 @@ class Face(App[None]):
 
     def action_help(self) -> None:
         """Show what can be typed, and the keys."""
-        self.push_screen(Sheet(help_text(self.BINDINGS)))
+        self.show_sheet(help_text(self.BINDINGS))
+
+    def show_sheet(self, content: Content | str) -> None:
+        """Show a text over the conversation."""
+        self.push_screen(Sheet(content))
 
     def action_panel(self) -> None:
         """Show or hide the side panel."""
@@ -281,8 +286,10 @@ class Face(App[None]):
         except Leave:
             self.call_from_thread(self.exit)
             return
-        except InvalidValue as error:
-            answer = str(error)
+        if is_sheet(line) and "\n" in answer:
+            picture = Content.styled(answer, "#ffffff on #000000")
+            self.call_from_thread(self.show_sheet, picture)
+            return
         for one in answer.splitlines():
             self._updates.write(one)
 
@@ -416,6 +423,7 @@ def run_tui(parts: AgentParts, shutdown: ShutdownSignals, typed: Sequence[str] =
         columns=COLUMNS,
         skills=parts.skills,
         software_stop=parts.software_stop,
+        settings=parts.settings,
     )
     face = Face(
         updates,
