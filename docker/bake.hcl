@@ -33,6 +33,7 @@ target "common" {
     ROS_IMAGE   = ROS_IMAGE
     EDGEVOX_UID = EDGEVOX_UID
     EDGEVOX_GID = EDGEVOX_GID
+    VERSION     = VERSION
   }
   labels = {
     "org.opencontainers.image.version"     = VERSION

@@ -75,6 +75,7 @@ def make(key: str, image_name: str, models: Sequence[str], out: Path) -> Path:
     with TemporaryDirectory(dir=out, prefix=".bundle-") as bench:
         folder = Path(bench, "bundle")
         copy_tracked(folder)
+        stamp_chart(folder / "helm" / "edgevox" / "Chart.yaml", image.version)
         shutil.copy(ROOT / PROGRAM, folder / "install")
         save_image(image, folder, Path(bench), source.date)
         copy_models(models, folder)
@@ -100,6 +101,16 @@ def copy_tracked(folder: Path) -> None:
         place = folder / name
         place.parent.mkdir(parents=True, exist_ok=True)
         shutil.copy(ROOT / name, place)
+
+
+def stamp_chart(file: Path, version: str) -> None:
+    """Write the image's version into the chart; the chart's own one in semantic versioning."""
+    semantic = re.sub(r"\.dev(\d+)", r"-dev.\1", version)
+    text = re.sub(
+        r"^version: .*$", f"version: {semantic}", file.read_text("utf-8"), flags=re.MULTILINE
+    )
+    text = re.sub(r"^appVersion: .*$", f'appVersion: "{version}"', text, flags=re.MULTILINE)
+    file.write_text(text, encoding="utf-8")
 
 
 def save_image(image: Image, folder: Path, bench: Path, date: int) -> None:

@@ -16,7 +16,7 @@ from typing import Any
 import helm_python as helm
 import yaml
 
-from edgevox.agent.policy.file import PolicyFile
+from edgevox.agent.policy.policy import PolicyFile
 from edgevox.apps.container import ENVIRONMENT
 from edgevox.apps.container.environment import AGENTS
 from edgevox.core.languages import LANGUAGES

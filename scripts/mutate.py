@@ -28,7 +28,12 @@ ROOT = Path(__file__).resolve().parent.parent
 LONGEST_S = 120.0
 """A mutation that makes a test hang is found, too."""
 MODULES = {
-    "edgevox/agent/stopping.py": ("conversation*", "stop_spotted", "what_a_stop_ends", "stop_game"),
+    "edgevox/agent/stop/stopping.py": (
+        "conversation*",
+        "stop_spotted",
+        "what_a_stop_ends",
+        "stop_game",
+    ),
     "edgevox/agent/stop/words.py": ("stop_words", "dialogue_sentences", "answers"),
     "edgevox/agent/goals/lane.py": ("lane", "fault_skills", "conversation*"),
     "edgevox/agent/goals/executor.py": (
@@ -39,7 +44,7 @@ MODULES = {
     "edgevox/agent/policy/guard.py": ("policy*",),
     "edgevox/robots/command_mux.py": ("command_mux", "metrics_watchdog", "external_control"),
     "edgevox/ros2/contract.py": ("ros2_contract", "recorder_files", "apps_components"),
-    "edgevox/voice/endpoint.py": ("voice_listener*",),
+    "edgevox/voice/utterance_end.py": ("voice_listener*",),
     "edgevox/voice/listener.py": ("voice_listener*", "health_voice", "fault_sound"),
     "edgevox/models/fetch.py": ("models*", "fault_disk"),
 }

@@ -71,10 +71,14 @@ class Image:
         return self.labels.get("org.opencontainers.image.revision", "")
 
     @property
+    def version(self) -> str:
+        """The version that its label names; that of this source if there is none."""
+        return self.labels.get("org.opencontainers.image.version") or __version__
+
+    @property
     def tag(self) -> str:
         """The version and the beginning of its hash: another image has another."""
-        version = self.labels.get("org.opencontainers.image.version") or __version__
-        return f"{version}-{self.id.removeprefix('sha256:')[:12]}"
+        return f"{self.version}-{self.id.removeprefix('sha256:')[:12]}"
 
     @contextmanager
     def tagged(self) -> Iterator[str]:

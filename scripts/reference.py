@@ -11,7 +11,7 @@ import sys
 from pathlib import Path
 
 from docs import TABLES
-from edgevox.agent.policy.file import PolicyFile
+from edgevox.agent.policy.policy import PolicyFile
 from edgevox.ros2.robot_file.format import RobotFile
 from edgevox.scenario import Scenario
 

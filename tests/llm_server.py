@@ -13,6 +13,7 @@ from edgevox.agent.llm.language_model import ChatMessage
 from edgevox.agent.llm.remote import Address, EndpointModel
 from edgevox.agent.llm.remote.remote_model import PAUSES_S
 from edgevox.core.cancel import CancelToken
+from edgevox.core.settings import GrammarDialect
 
 CHAT = [ChatMessage("system", "Be brief."), ChatMessage("user", "Where to?")]
 ROOMS = 'root ::= "go " ("kitchen" | "bedroom") "!"'
@@ -99,10 +100,12 @@ class Server:
     def url(self) -> str:
         return f"http://127.0.0.1:{self.port}"
 
-    def model(self, timeout_s: float = HUNG_S, **address: Any) -> EndpointModel:
+    def model(
+        self, timeout_s: float = HUNG_S, dialect: GrammarDialect = "auto", **address: Any
+    ) -> EndpointModel:
         """A model that asks this server, again at once if that failed; it is closed with it."""
         where = Address(self.url, timeout_s=timeout_s, **address)
-        model = EndpointModel(where, pauses_s=AT_ONCE_S)
+        model = EndpointModel(where, dialect=dialect, pauses_s=AT_ONCE_S)
         self._models.append(model)
         return model
 

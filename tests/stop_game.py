@@ -19,8 +19,8 @@ from support.clock import HeldClock
 
 from edgevox.agent.agents import Agent
 from edgevox.agent.conversation import Conversation
+from edgevox.agent.known import Known
 from edgevox.agent.policy import Guard
-from edgevox.agent.programs.senses import Senses
 from edgevox.agent.skills import Call, GoalHandle, SkillFailed, SkillSet, skill
 from edgevox.agent.text.reasons import because
 from edgevox.core.agent_events import AgentEvent, Confirmation, ConfirmationStatus
@@ -133,7 +133,7 @@ class StopGame(RuleBasedStateMachine):
             clock=self.time,
             interlock=self.interlock,
             timer=self.time,
-            senses=Senses(way_back=lambda: Call("navigate_xy", {"x": 0.0, "y": 0.0})),
+            known=Known(way_back=lambda: Call("navigate_xy", {"x": 0.0, "y": 0.0})),
         )
         self.software_stop = SoftwareStop(
             self.interlock, self.bus, self.conversation.stop, because("software_stop")

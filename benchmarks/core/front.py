@@ -77,18 +77,24 @@ OVERHEAD = (
     Shown("overhead", "plain.work.more", "of the time of a typed plain command"),
 )
 STRANGERS = (
-    Shown("corpus", "whole.held_out.right", "what strangers say: right, or rightly nothing"),
-    Shown("corpus", "whole.held_out.moved", "what strangers say, of some 800: wrong motions"),
+    Shown(
+        "corpus", "whole.held_out.right", "sentences of strangers: understood, or rightly ignored"
+    ),
+    Shown("corpus", "whole.held_out.moved", "sentences of strangers, of some 800: wrong motions"),
 )
 DECIDED = (
     *STRANGERS,
-    Shown("corpus", "whole.held_out.asked", "what strangers say: asked back"),
+    Shown("corpus", "whole.held_out.asked", "sentences of strangers: asked back"),
     Shown("corpus", "whole.held_out.time_template"),
     Shown("corpus", "whole.held_out.time_reading"),
     Shown("corpus", "whole.held_out.p95", "time to decide, 95th percentile"),
 )
 SPOKEN = (
-    Shown("voice", "stop", "end of a spoken stop word to zero velocity (below 0: before its end)"),
+    Shown(
+        "voice",
+        "stop",
+        "end of a spoken stop word until the robot stands (negative: it stood before)",
+    ),
     Shown("noise", "db10.right", "spoken commands right, noise at 10 dB"),
     Shown("noise", "db10.wrong", "wrong motions of 640 spoken commands, noise at 10 dB"),
 )

@@ -28,9 +28,9 @@ from edgevox.models import ModelMissing, locate
 from edgevox.voice.audio import RATE_HZ, rms
 from edgevox.voice.echo.canceller import open_echo
 from edgevox.voice.echo.played import PlayedSound
-from edgevox.voice.stop.detector import StopDetector
-from edgevox.voice.stop.network import ENCODER
-from edgevox.voice.stop.spotter import open_stop_spotter
+from edgevox.voice.stop_spotter.detector import StopDetector
+from edgevox.voice.stop_spotter.network import ENCODER
+from edgevox.voice.stop_spotter.spotter import open_stop_spotter
 from edgevox.voice.stt.speech_to_text import SpeechToText
 from edgevox.voice.stt.whisper import Whisper
 from edgevox.voice.wake.micro import MicroWakeWord

@@ -14,7 +14,7 @@ from edgevox.core.settings import Echo
 from edgevox.voice.audio import FRAME_S, FRAME_SAMPLES, RATE_HZ, EndOfSound, Frame, rms
 from edgevox.voice.echo.played import PlayedSound
 from edgevox.voice.listener import Listener
-from edgevox.voice.stop.detector import StopDetector
+from edgevox.voice.stop_spotter.detector import StopDetector
 from edgevox.voice.stt.speech_to_text import SpeechToText
 from edgevox.voice.vad import open_vad
 from edgevox.voice.word_detection import WakeDetector

@@ -27,8 +27,14 @@ from edgevox.core.clock import SystemClock
 from edgevox.core.speech import Ending
 from edgevox.models import locate
 from edgevox.voice.audio import RATE_HZ, Samples
-from edgevox.voice.endpoint import ENDS_AFTER_S, Endpointer, SpeechEnded, SpeechPaused, SpeechWentOn
 from edgevox.voice.stt.whisper import Whisper
+from edgevox.voice.utterance_end import (
+    ENDS_AFTER_S,
+    Endpointer,
+    SpeechEnded,
+    SpeechPaused,
+    SpeechWentOn,
+)
 from edgevox.voice.vad import open_vad
 from training.acoustics import Half
 from training.acoustics.voices import espeak_voices, native_voices, say

@@ -21,9 +21,9 @@ from edgevox.core.clock import SystemClock
 from edgevox.core.commands import Way
 from edgevox.models import locate
 from edgevox.voice.audio import Samples
-from edgevox.voice.endpoint import Endpointer, SpeechEnded
 from edgevox.voice.stt.speech_to_text import Transcript
 from edgevox.voice.stt.whisper import Whisper
+from edgevox.voice.utterance_end import Endpointer, SpeechEnded
 from edgevox.voice.vad import open_vad
 
 MODEL = "whisper-tiny.en"

@@ -15,8 +15,8 @@ from edgevox.models import locate
 from edgevox.voice.audio import FRAME_S, FRAME_SAMPLES, RATE_HZ, Samples
 from edgevox.voice.echo.played import PlayedSound
 from edgevox.voice.listener import Listener
-from edgevox.voice.stop.network import ENCODER
-from edgevox.voice.stop.spotter import open_stop_spotter
+from edgevox.voice.stop_spotter.network import ENCODER
+from edgevox.voice.stop_spotter.spotter import open_stop_spotter
 from edgevox.voice.stt.speech_to_text import SpeechToText, Transcript
 from edgevox.voice.vad import open_vad
 from edgevox.voice.word_detection import WakeDetector

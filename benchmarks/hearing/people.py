@@ -41,8 +41,8 @@ from edgevox.models import ModelMissing, locate
 from edgevox.ros2.robot_file.format import load_robot_file
 from edgevox.ros2.robot_file.skills import described_skills
 from edgevox.voice.audio import RATE_HZ, Samples
-from edgevox.voice.stop.network import ENCODER
-from edgevox.voice.stop.spotter import open_stop_spotter
+from edgevox.voice.stop_spotter.network import ENCODER
+from edgevox.voice.stop_spotter.spotter import open_stop_spotter
 from training.acoustics import Half
 
 FOLDER = "EDGEVOX_PEOPLE"

@@ -14,10 +14,10 @@ from wrapped_engine import WrappedEngine
 from benchmarks.robots.worlds import Row
 from edgevox.core.cancel import CancelToken
 from edgevox.robots.capabilities import Twist2D
+from edgevox.robots.flat.apartment import PymunkEngine
 from edgevox.robots.flat.diff_drive import DiffDriveRobot
 from edgevox.robots.flat.engine import STEP_S, Engine, MotionState
 from edgevox.robots.flat.irsim import IrsimEngine, make_environment
-from edgevox.robots.flat.pymunk_engine import PymunkEngine
 from edgevox.robots.world.load import load_world
 from edgevox.robots.world.model import World
 

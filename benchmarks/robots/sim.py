@@ -5,9 +5,9 @@ from collections.abc import Callable
 
 from benchmarks.core.figures import Figure, Measured
 from edgevox.robots.capabilities import Twist2D
+from edgevox.robots.flat.apartment import Lidar, PymunkEngine
 from edgevox.robots.flat.engine import STEP_S
 from edgevox.robots.flat.planner import PathPlanner
-from edgevox.robots.flat.pymunk_engine import Lidar, PymunkEngine
 from edgevox.robots.flat.text_map import draw
 from edgevox.robots.world.load import load_world
 

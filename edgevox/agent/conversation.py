@@ -11,23 +11,22 @@ from typing import Any, assert_never
 from edgevox.agent import inbox
 from edgevox.agent.agents import Agent, skills_of
 from edgevox.agent.dialogue.asking import Asking, Performer
-from edgevox.agent.dialogue.known import NOTHING_KNOWN, Known
 from edgevox.agent.dialogue.memory import LastDrive
 from edgevox.agent.dialogue.question import OpenQuestion
 from edgevox.agent.dialogue.skills import DialogueSkills
 from edgevox.agent.goals.executor import SkillExecutor
 from edgevox.agent.goals.goal import Goal
+from edgevox.agent.known import NOTHING_KNOWN, Known
 from edgevox.agent.llm.language_model import LanguageModel
 from edgevox.agent.nlu.decider import Decider
 from edgevox.agent.nlu.hearing.sounds import Phonemes
 from edgevox.agent.nlu.interpreter import Interpreter
 from edgevox.agent.policy import Guard
 from edgevox.agent.programs.keeper import Programs
-from edgevox.agent.programs.senses import NO_SENSES, Senses
 from edgevox.agent.programs.store import Timer
 from edgevox.agent.skills import STOP, Call, SkillSet
 from edgevox.agent.states import StateMachine
-from edgevox.agent.stopping import Stopping
+from edgevox.agent.stop.stopping import Stopping
 from edgevox.agent.text.reasons import because
 from edgevox.agent.turn import InputTiming, Turn
 from edgevox.core.bus import Bus
@@ -156,7 +155,6 @@ class Conversation:
         decider: Decider | None = None,
         phonemes: Phonemes | None = None,
         known: Known = NOTHING_KNOWN,
-        senses: Senses = NO_SENSES,
         timer: Timer | None = None,
     ) -> None:
         """Build the parts of a conversation; `start` starts its threads.
@@ -174,8 +172,7 @@ class Conversation:
             guard: The policy, which may forbid any skill except to stop; None allows all.
             decider: Reads orders that no template fits; None leaves those to the model.
             phonemes: Pronunciations, to recognise misheard words by their sounds.
-            known: What the body knows of itself and its world, to answer questions.
-            senses: The body's senses, for programs with a condition.
+            known: What the body knows of itself and its world, for answers and for programs.
             timer: Wakes programs at their time; a timer of its own by default.
         """
         self._bus = bus
@@ -203,7 +200,7 @@ class Conversation:
             phrases=lambda: interpreter.phrases,
             clock=self._clock,
             timer=timer,
-            senses=senses,
+            known=known,
         )
         last = LastDrive(bus, self._clock)
         performer = Performer(interpreter, self._executor, self.programs, dialogue, last)

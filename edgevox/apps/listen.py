@@ -21,8 +21,8 @@ from edgevox.core.files.text import one_line
 from edgevox.core.settings import Settings, load_settings
 from edgevox.ros2 import split_ros_args
 from edgevox.voice.audio import FRAME_S
-from edgevox.voice.endpoint import VOICED
 from edgevox.voice.noise_floor import SILENT_DB, HearingMeter, HearingReading
+from edgevox.voice.utterance_end import VOICED
 
 if TYPE_CHECKING:
     from edgevox.voice.sources.pushed import Pushed

@@ -55,7 +55,7 @@ def _prepare(argv: Sequence[str]) -> Callable[[], bool]:
 
 def _create(arguments: argparse.Namespace) -> bool:
     """Make a keystore with its own certificate authority."""
-    from edgevox.security.enclave_certificates import utc_now
+    from edgevox.core.certificates import utc_now
     from edgevox.security.keystore import AUTHORITY_DAYS, Keystore
 
     made = Keystore.create(arguments.keystore, utc_now(), arguments.days or AUTHORITY_DAYS)
@@ -66,7 +66,7 @@ def _create(arguments: argparse.Namespace) -> bool:
 
 def _add(arguments: argparse.Namespace) -> bool:
     """Add an enclave for a robot, a recorder, a shell with tools, or a listener."""
-    from edgevox.security.enclave_certificates import utc_now
+    from edgevox.core.certificates import utc_now
     from edgevox.security.keystore import DAYS, Purpose
     from edgevox.security.roles import EXTERNAL_ROBOT, EnclaveRole, Graph, node_name
 
@@ -100,7 +100,7 @@ def _list(arguments: argparse.Namespace) -> bool:
 
 def _renew(arguments: argparse.Namespace) -> bool:
     """Give enclaves new keys, certificates and permissions; then export each again."""
-    from edgevox.security.enclave_certificates import utc_now
+    from edgevox.core.certificates import utc_now
 
     store = _open(arguments)
     if bool(arguments.enclave) == arguments.all:
@@ -116,7 +116,7 @@ def _renew(arguments: argparse.Namespace) -> bool:
 
 def _revoke(arguments: argparse.Namespace) -> bool:
     """Revoke enclaves; then export and restart the others."""
-    from edgevox.security.enclave_certificates import utc_now
+    from edgevox.core.certificates import utc_now
 
     store = _open(arguments)
     for enclave in arguments.enclave:
@@ -173,7 +173,7 @@ def _line(store: "Keystore", enclave: str) -> str:
 
 
 def _late(store: "Keystore", within_days: int) -> list[str]:
-    from edgevox.security.enclave_certificates import utc_now
+    from edgevox.core.certificates import utc_now
 
     certificates = {"authority": store.authority}
     certificates |= {enclave: store.certificate(enclave) for enclave in store.names()}

@@ -7,28 +7,34 @@ that it was made with: whoever steals its key cannot pretend to be somebody's ba
 
 import socket
 from collections.abc import Callable, Collection, Sequence
-from datetime import UTC, datetime, timedelta
+from datetime import datetime, timedelta
 from ipaddress import IPv4Address, IPv6Address, ip_address, ip_network
 from pathlib import Path
 
 from cryptography import x509
-from cryptography.exceptions import UnsupportedAlgorithm
-from cryptography.hazmat.primitives import hashes, serialization
-from cryptography.hazmat.primitives.asymmetric import ec
-from cryptography.x509.oid import ExtendedKeyUsageOID, NameOID
+from cryptography.x509.oid import ExtendedKeyUsageOID
 
 from edgevox.console.tls import Tls
+from edgevox.core.certificates import (
+    LONGEST_NAME,
+    Identity,
+    make_authority,
+    make_identity,
+    read_certificate,
+    read_identity,
+    read_key,
+    utc_now,
+)
 from edgevox.core.errors import InvalidValue
 from edgevox.core.files.state_files import PRIVATE, PUBLIC, StateFiles, write_atomically
 from edgevox.core.files.user_file import read_text
 
+FOLDER = "console_folder"
 AUTHORITY_DAYS = 3650
 DAYS = 390
 """Browsers take no certificate that lasts longer than 398."""
 RENEW_DAYS = 30
 """Days before its end when a certificate is renewed, at the start and while the console runs."""
-_BACK = timedelta(days=1)
-"""Clocks of phones are behind that of a robot without a battery, or ahead."""
 _LOCAL = ("local", "localhost", "lan", "internal", "home.arpa")
 _PRIVATE = tuple(
     map(
@@ -39,11 +45,6 @@ _PRIVATE = tuple(
 )  # fmt: skip
 Now = Callable[[], datetime]
 Address = IPv4Address | IPv6Address
-
-
-def utc_now() -> datetime:
-    """The time by the system's clock."""
-    return datetime.now(UTC)
 
 
 def own_tls(
@@ -64,22 +65,24 @@ def own_tls(
     """
     state = state or StateFiles()
     folder.mkdir(parents=True, exist_ok=True, mode=0o700)
-    authority = state.read(folder / "ca.crt", _authority)
-    signs = state.read(folder / "ca.key", _key, secret=True)
-    if not authority or not signs or authority.public_key() != signs.public_key():
+    authority = _kept(state, folder / "ca.crt", folder / "ca.key", x509.NameConstraints)
+    if not authority:
         for file in (folder / "ca.crt", folder / "ca.key"):
             state.keep_aside(file, f"{file}: expected a certificate and a key that fit")
-        authority, signs = _make_authority(folder, names, now())
-    names = [name for name in names if name not in spare or _vouches(authority, name)]
-    _check(authority, names)
+        authority = _make_authority(names, now())
+        _write(authority, folder / "ca.crt", folder / "ca.key")
+    names = [name for name in names if name not in spare or _vouches(authority.certificate, name)]
+    _check(authority.certificate, names)
     certificate, key = folder / "console.crt", folder / "console.key"
-    leaf, own = state.read(certificate, _leaf), state.read(key, _key, secret=True)
-    if not leaf or not own or not _fits(leaf, own, authority, names, now()):
-        _make_leaf((authority, signs), certificate, key, names, now())
+    leaf = _kept(state, certificate, key, x509.SubjectAlternativeName)
+    if not leaf or not _fits(leaf.certificate, authority.certificate, names, now()):
+        leaf = _make_leaf(authority, names, now())
+        certificate.unlink(missing_ok=True)  # never a certificate with another's key
+        _write(leaf, certificate, key)
 
     def renew() -> None:
-        _authority(read_text(folder / "ca.crt", "console_folder"))
-        _key(read_text(folder / "ca.key", "console_folder"))
+        certificate, key = (read_text(folder / name, FOLDER) for name in ("ca.crt", "ca.key"))
+        _needs(x509.NameConstraints, read_identity(certificate, key, FOLDER).certificate)
         own_tls(folder, names, now, state, spare=spare)
 
     return Tls(certificate, key, folder / "ca.crt", renew)
@@ -130,25 +133,32 @@ def _general(name: str) -> x509.DNSName | x509.IPAddress:
         raise InvalidValue("console_names", name, "host names and addresses") from None
 
 
-def _make_authority(
-    folder: Path, names: Sequence[str], now: datetime
-) -> tuple[x509.Certificate, ec.EllipticCurvePrivateKey]:
-    private = ec.generate_private_key(ec.SECP256R1())
-    called = x509.Name(
-        [x509.NameAttribute(NameOID.COMMON_NAME, f"EdgeVox of {socket.gethostname()}"[:64])]
-    )
-    public = private.public_key()
-    made = (
-        _builder(called, called, public, now, AUTHORITY_DAYS)
-        .add_extension(x509.BasicConstraints(ca=True, path_length=0), critical=True)
-        .add_extension(_usage(authority=True), critical=True)
-        .add_extension(_constraints(names), critical=True)
-        .add_extension(x509.SubjectKeyIdentifier.from_public_key(public), critical=False)
-        .sign(private, hashes.SHA256())
-    )
-    _write_key(folder / "ca.key", private)
-    _write_certificate(folder / "ca.crt", made)
-    return made, private
+def _kept(
+    state: StateFiles, certificate: Path, key: Path, needs: type[x509.ExtensionType]
+) -> Identity | None:
+    """The identity in these files, if both are there and fit; it needs this extension."""
+    made = state.read(certificate, lambda text: _needs(needs, read_certificate(text, FOLDER)))
+    own = state.read(key, lambda text: read_key(text, FOLDER), secret=True)
+    fits = made and own and made.public_key() == own.public_key()
+    return Identity(made, own) if made and own and fits else None
+
+
+def _needs(extension: type[x509.ExtensionType], made: x509.Certificate) -> x509.Certificate:
+    try:
+        made.extensions.get_extension_for_class(extension)
+    except x509.ExtensionNotFound:
+        raise InvalidValue(FOLDER, "another certificate", "one that EdgeVox made") from None
+    return made
+
+
+def _write(identity: Identity, certificate: Path, key: Path) -> None:
+    write_atomically(key, identity.key_pem, PRIVATE)
+    write_atomically(certificate, identity.certificate_pem, PUBLIC)
+
+
+def _make_authority(names: Sequence[str], now: datetime) -> Identity:
+    called = f"EdgeVox of {socket.gethostname()}"[:LONGEST_NAME]
+    return make_authority(called, now, AUTHORITY_DAYS, [(_constraints(names), True)])
 
 
 def _constraints(names: Sequence[str]) -> x509.NameConstraints:
@@ -164,59 +174,11 @@ def _constraints(names: Sequence[str]) -> x509.NameConstraints:
     )
 
 
-def _make_leaf(
-    authority: tuple[x509.Certificate, ec.EllipticCurvePrivateKey],
-    certificate: Path,
-    key: Path,
-    names: Sequence[str],
-    now: datetime,
-) -> None:
-    issuer, signs = authority
-    private = ec.generate_private_key(ec.SECP256R1())
-    called = x509.Name([x509.NameAttribute(NameOID.COMMON_NAME, "EdgeVox console")])
+def _make_leaf(authority: Identity, names: Sequence[str], now: datetime) -> Identity:
     server = x509.ExtendedKeyUsage([ExtendedKeyUsageOID.SERVER_AUTH])
     known_as = x509.SubjectAlternativeName([_general(name) for name in names])
-    signer = x509.AuthorityKeyIdentifier.from_issuer_public_key(signs.public_key())
-    made = (
-        _builder(called, issuer.subject, private.public_key(), now, DAYS)
-        .add_extension(x509.BasicConstraints(ca=False, path_length=None), critical=True)
-        .add_extension(_usage(authority=False), critical=True)
-        .add_extension(server, critical=False)
-        .add_extension(known_as, critical=False)
-        .add_extension(signer, critical=False)
-        .sign(signs, hashes.SHA256())
-    )
-    certificate.unlink(missing_ok=True)  # never a certificate with another's key
-    _write_key(key, private)
-    _write_certificate(certificate, made)
-
-
-def _builder(
-    subject: x509.Name, issuer: x509.Name, key: ec.EllipticCurvePublicKey, now: datetime, days: int
-) -> x509.CertificateBuilder:
-    return (
-        x509.CertificateBuilder()
-        .subject_name(subject)
-        .issuer_name(issuer)
-        .public_key(key)
-        .serial_number(x509.random_serial_number())
-        .not_valid_before(now - _BACK)
-        .not_valid_after(now + timedelta(days=days))
-    )
-
-
-def _usage(*, authority: bool) -> x509.KeyUsage:
-    return x509.KeyUsage(
-        digital_signature=not authority,
-        key_cert_sign=authority,
-        crl_sign=authority,
-        content_commitment=False,
-        key_encipherment=False,
-        data_encipherment=False,
-        key_agreement=False,
-        encipher_only=False,
-        decipher_only=False,
-    )
+    more = [(server, False), (known_as, False)]
+    return make_identity(authority, "EdgeVox console", now, DAYS, more)
 
 
 def _check(authority: x509.Certificate, names: Sequence[str]) -> None:
@@ -245,11 +207,7 @@ def _permits(subtree: x509.GeneralName, name: x509.DNSName | x509.IPAddress) -> 
 
 
 def _fits(
-    leaf: x509.Certificate,
-    key: ec.EllipticCurvePrivateKey,
-    authority: x509.Certificate,
-    names: Sequence[str],
-    now: datetime,
+    leaf: x509.Certificate, authority: x509.Certificate, names: Sequence[str], now: datetime
 ) -> bool:
     """Return whether the certificate is this authority's, for these names, and in time."""
     known_as = leaf.extensions.get_extension_for_class(x509.SubjectAlternativeName).value
@@ -258,51 +216,4 @@ def _fits(
     except Exception:  # noqa: BLE001 - of whatever kind: another authority's
         return False
     lasts = leaf.not_valid_after_utc - now > timedelta(days=RENEW_DAYS)
-    own = leaf.public_key() == key.public_key()
-    return own and lasts and set(known_as) == {_general(name) for name in names}
-
-
-def _authority(text: str) -> x509.Certificate:
-    """The certificate of an own authority. Raises whatever is wrong with the text."""
-    made = _load(text)
-    made.extensions.get_extension_for_class(x509.NameConstraints)
-    return made
-
-
-def _leaf(text: str) -> x509.Certificate:
-    """The console's certificate. Raises whatever is wrong with the text."""
-    made = _load(text)
-    made.extensions.get_extension_for_class(x509.SubjectAlternativeName)
-    return made
-
-
-def _load(text: str) -> x509.Certificate:
-    try:
-        return x509.load_pem_x509_certificate(text.encode())
-    except ValueError:
-        raise InvalidValue("console_folder", "a text", "a certificate in PEM") from None
-
-
-def _key(text: str) -> ec.EllipticCurvePrivateKey:
-    """A key of ours. Its text stands in no error."""
-    try:
-        key = serialization.load_pem_private_key(text.encode(), None)
-    except (ValueError, TypeError, UnsupportedAlgorithm):
-        raise InvalidValue("console_folder", "a text", "a private key in PEM") from None
-    if not isinstance(key, ec.EllipticCurvePrivateKey):
-        raise InvalidValue("console_folder", "another key", "a key on an elliptic curve")
-    return key
-
-
-def _write_key(file: Path, key: ec.EllipticCurvePrivateKey) -> None:
-    text = key.private_bytes(
-        serialization.Encoding.PEM,
-        serialization.PrivateFormat.PKCS8,
-        serialization.NoEncryption(),
-    )
-    write_atomically(file, text.decode(), PRIVATE)
-
-
-def _write_certificate(file: Path, certificate: x509.Certificate) -> None:
-    text = certificate.public_bytes(serialization.Encoding.PEM).decode()
-    write_atomically(file, text, PUBLIC)
+    return lasts and set(known_as) == {_general(name) for name in names}

@@ -16,11 +16,11 @@ from edgevox.console.door import Door, cut
 from edgevox.console.limits import UNREADABLE, BadRequest, BadRequests, PageRateLimit
 from edgevox.console.page_files import PageFiles
 from edgevox.console.page_hub import PageHub
-from edgevox.console.page_messages import MOST_BYTES
 from edgevox.console.sessions import LAST_S, Pairing, Role, Session
 from edgevox.console.sockets.browser_sound import MOST_BYTES as MOST_SOUND
 from edgevox.console.sockets.browser_sound import SoundLine, SoundPage
 from edgevox.console.sockets.control import ControlPage, SocketLimits
+from edgevox.console.sockets.messages import MOST_BYTES
 from edgevox.console.sockets.pictures import PictureSocket, show
 from edgevox.core.clock import Clock
 from edgevox.core.files.text import clean

@@ -9,7 +9,9 @@ The tree, with the main subclasses and the packages that define them:
         - `Denied` (agent): the policy forbids it
         - `OutOfReach`, `InTheWay` (robots)
     - `ModelFailed` (agent): the language model gave no answer
-        - `ModelBusy`, `Unreachable`, `Unusable`, `RequestRefused` (agent)
+        - `ModelBusy` (agent)
+    - `ServerFailed` (core): a server of models, hearing or speech gave no usable answer
+        - `ServerBusy`, `Unreachable`, `Unusable`, `RequestRefused`, `OddAnswer` (core)
     - `ModelMissing`, `FetchFailed`, `SourceFailed`, `StoreNotWritable` (models): files of models
     - `DeviceMissing`, `SynthesisFailed`, `EndOfSound` (voice)
     - `RosBridgeFailed`, `InterfaceMissing` (ros2)

@@ -32,7 +32,12 @@ from edgevox.core.languages import LANGUAGES
 from edgevox.core.transforms import PREFIX_EXPECTED, OdomFrame, is_prefix
 
 _NAMESPACE = re.compile(r"(/[A-Za-z_][A-Za-z0-9_]*)+|/")
-_ENDPOINT = re.compile(r"https?://(\[[0-9A-Fa-f:.]+\]|[A-Za-z0-9._-]+)(:[0-9]{1,5})?(/[\w./~-]*)?")
+_HOST = r"(\[[0-9A-Fa-f:.]+\]|[A-Za-z0-9._-]+)"
+_ENDPOINT = re.compile(rf"https?://{_HOST}(:[0-9]{{1,5}})?(/[\w./~-]*)?")
+_SERVICES = re.compile(
+    r"(?<=.)/(chat/completions|completions|models|audio/transcriptions|audio/speech)/?$"
+)
+"""What people copy with the address: the service that EdgeVox adds by itself."""
 
 
 def _known_language(code: str) -> str:
@@ -56,13 +61,20 @@ def _valid_prefix(prefix: str) -> str:
     return prefix
 
 
+def _plain_address(url: str) -> str:
+    """The address as it is plainly meant: no blanks, a small scheme, no service at its end."""
+    scheme, colon, rest = url.strip().partition("://")
+    return _SERVICES.sub("", f"{scheme.lower()}{colon}{rest}")
+
+
 def _valid_endpoint(url: str) -> str:
-    if url and not _ENDPOINT.fullmatch(url):
+    plain = _plain_address(url)
+    if plain and not _ENDPOINT.fullmatch(plain):
         raise ValueError(
             "the address of a server such as http://llm.example:8080; its key stands in "
             "llm_endpoint_key_file"
         )
-    return url
+    return plain
 
 
 LanguageCode = Annotated[str, AfterValidator(_known_language)]
@@ -276,7 +288,7 @@ class Settings(BaseSettings):
         "http://llm:8080; empty: none",
     )
     llm_endpoint_model: str = Field(
-        "", description="model to ask the server for; empty: the first that it offers"
+        "", description="model to ask the server for; empty: the first that it offers for chats"
     )
     llm_endpoint_timeout: float = Field(
         10.0, ge=0.1, le=600.0, description="longest wait for the server's next token, in seconds"

@@ -9,7 +9,7 @@ from edgevox.robots.capabilities import HasBattery, KnowsPowerDraw
 def battery_skill(body: HasBattery) -> Skill:
     """Make the skill that tells the charge.
 
-    Each language has its sentence in `core/languages/*.toml`.
+    Its sentence is `[skills.battery] done` of `core/languages/*.toml`, by `Phrasebook.report`.
     """
 
     @skill(moves=False)

@@ -1,8 +1,8 @@
-"""What any body can tell of itself and its world, from what it can do: questions and their facts.
+"""What any body can tell of itself and its world, from what it can do.
 
-A fact is a skill that moves nothing. Its result has what is known now; the table `facts` of each
-language's file has the templates that ask for it and the sentences that tell it, of which the last
-says that it is not known. A body adds its own with `TellsFacts`.
+A fact answers a question: a skill that moves nothing. Its result has what is known now; the table
+`facts` of each language's file has the templates that ask for it and the sentences that tell it, of
+which the last says that it is not known. A body adds its own with `TellsFacts`.
 """
 
 import math
@@ -12,8 +12,9 @@ from typing import Annotated
 
 import numpy as np
 
-from edgevox.agent.dialogue.known import Known, WayLeft, about_s, no_place
-from edgevox.agent.skills import GoalHandle, OneOf, Result, Skill, SkillFailed, skill
+from edgevox.agent.known import Known, WayLeft, about_s, no_place
+from edgevox.agent.skills import Call, GoalHandle, OneOf, Result, Skill, SkillFailed, skill
+from edgevox.agent.skills.skill import TO_POINT
 from edgevox.core.transforms import Pose2D
 from edgevox.robots.capabilities import (
     Body,
@@ -30,7 +31,11 @@ from edgevox.robots.capabilities import (
     TakesVelocity,
     TellsFacts,
     TellsMotions,
+    TellsStalls,
 )
+
+_STALLED_S = 1.0
+"""A world that has stood still for this long may hold the lock that guards its battery."""
 
 _NO_PLACES = OneOf(())
 _NEAR_M = 0.5
@@ -51,13 +56,29 @@ def facts_of(body: Body) -> tuple[Skill, ...]:
 
 
 def known_of(body: Body) -> Known:
-    """What this body knows, for a conversation."""
+    """What this body knows, for a conversation and its programs."""
     return Known(
         facts=facts_of(body),
         pose=body.pose if isinstance(body, HasPose) else None,
         place_at=body.place_at if isinstance(body, HasPlaces) else no_place,
         way_left=lambda: _way_left(body),
+        way_back=lambda: _way_back(body),
+        battery=(lambda: _charge(body)) if isinstance(body, HasBattery) else None,
     )
+
+
+def _charge(body: HasBattery) -> float | None:
+    stalled_s = body.stalled_s if isinstance(body, TellsStalls) else 0.0
+    return body.battery() if stalled_s < _STALLED_S else None
+
+
+def _way_back(body: Body) -> Call | None:
+    """Return the call that drives to the present point; None if the body cannot drive to points."""
+    skills = {one.name for one in body.skills}
+    if not isinstance(body, HasPose) or TO_POINT not in skills:
+        return None
+    pose = body.pose()
+    return Call(TO_POINT, {"x": round(pose.x_m, 2), "y": round(pose.y_m, 2)})
 
 
 def _way_left(body: Body) -> WayLeft | None:
@@ -226,7 +247,13 @@ def _motion(body: Body) -> Sequence[Skill]:
         goal.token.check()
         return {"limit": body.max_linear_m_s} if isinstance(body, TakesVelocity) else {}
 
-    return how_fast, top_speed
+    @skill(moves=False)
+    def compass(goal: GoalHandle) -> Result:
+        """Say that the robot has no compass, also to one who asks it to face north."""
+        goal.token.check()
+        return {}
+
+    return how_fast, top_speed, compass
 
 
 def _senses(body: Body) -> Sequence[Skill]:

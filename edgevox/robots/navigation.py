@@ -1,5 +1,6 @@
 """The skills of any body that knows where it is and can drive somewhere by itself."""
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
@@ -11,7 +12,7 @@ from edgevox.agent.skills import Example, GoalHandle, OneOf, Result, Skill, Skil
 from edgevox.agent.skills.choices import MOST_HINTS, OwnNames
 from edgevox.agent.text.reasons import because, called_off
 from edgevox.core.cancel import CancelToken
-from edgevox.core.transforms import Pose2D
+from edgevox.core.transforms import Pose2D, turn_between
 from edgevox.robots.battery import battery_skill
 from edgevox.robots.capabilities import (
     Body,
@@ -50,6 +51,14 @@ class DrivesToPoses(Protocol):
         """Drive there, like `drive_to`."""
 
 
+@runtime_checkable
+class Turns(Protocol):
+    """Can turn on the spot."""
+
+    def turn(self, angle_rad: float, *, token: CancelToken, report: Report) -> None:
+        """Block until it stands turned by that to the left. Raises `SkillFailed`."""
+
+
 @dataclass(frozen=True, slots=True)
 class PlaceWord:
     """The body's word for its places: the name of the argument that is one."""
@@ -57,6 +66,8 @@ class PlaceWord:
     noun: str
 
 
+_HERE_M = 0.05
+"""Nearer than this to a place, a body has no direction in which the place lies."""
 _ANYWHERE = Bounds.around("map", LARGEST)
 """The world of a body that does not say where its own ends."""
 ROOM = PlaceWord("room")
@@ -74,7 +85,8 @@ def navigation_skills(
 ) -> tuple[Skill, ...]:
     """`navigate_to` (if there are places), `navigate_xy`, `stop`, `get_pose`, `battery` (if any).
 
-    With a `memory` also those of `place_skills`, and `navigate_to` goes to what it remembers.
+    A body that turns on the spot also has `turn_towards`, which looks where a place is. With a
+    `memory` there are those of `place_skills` as well, and both take what it remembers.
 
     `hints` are sentences, by place, of people who want to be there: what a model learns from.
     `aliases` are other things that people say for a place, to that place, `names` what a place is
@@ -85,6 +97,8 @@ def navigation_skills(
     known = OneOf(tuple(body.places), aliases or {}, memory.names if memory else tuple, names or {})
     if body.places or memory:
         skills.insert(0, _navigate_to(body, hints or {}, known, word, memory))
+        if isinstance(body, Turns):
+            skills.insert(1, _turn_towards(body, known, word, memory))
     if isinstance(body, HasBattery):
         skills.append(battery_skill(body))
     if memory:
@@ -131,18 +145,55 @@ def _go(
     return {**_where(body, word), **at}
 
 
+def _turn_towards(
+    body: NavigableBody, known: OneOf, word: PlaceWord, memory: PlaceMemory | None
+) -> Skill:
+    def towards_room(goal: GoalHandle, room: Annotated[str, known]) -> Result:
+        """Turn on the spot, to look to where a room is."""
+        return _turn(body, goal, room, word, memory)
+
+    def towards_location(goal: GoalHandle, location: Annotated[str, known]) -> Result:
+        """Turn on the spot, to look to where a known location is."""
+        return _turn(body, goal, location, word, memory)
+
+    turn_towards: Callable[..., Result] = towards_room if word is ROOM else towards_location
+    turn_towards.__name__ = "turn_towards"
+    return skill(plainly=True)(turn_towards)
+
+
+def _turn(
+    body: NavigableBody, goal: GoalHandle, place: str, word: PlaceWord, memory: PlaceMemory | None
+) -> Result:
+    pose = body.pose()
+    if place in body.places:
+        x_m, y_m = body.places[place]
+    else:
+        there = _remembered(body, memory.find(place) if memory else None, place)
+        x_m, y_m = there.x, there.y
+    if math.dist((x_m, y_m), (pose.x_m, pose.y_m)) > _HERE_M and isinstance(body, Turns):
+        angle_rad = turn_between(pose.yaw_rad, math.atan2(y_m - pose.y_m, x_m - pose.x_m))
+        body.turn(angle_rad, token=goal.token, report=goal.report)
+    return {**where(body.pose()), word.noun: place.replace("_", " ")}
+
+
 def _go_back(body: NavigableBody, goal: GoalHandle, there: Place | None, name: str) -> None:
     """Drive to where the body was told that a place is."""
-    if there is None:  # forgotten since the goal was accepted
-        raise SkillFailed(because("place_unknown", place=name))
-    frame = located(body)[1]
-    if frame != there.frame:
-        raise SkillFailed(because("place_elsewhere", place=name, was=there.frame, frame=frame))
+    there = _remembered(body, there, name)
     if isinstance(body, DrivesToPoses) and there.yaw is not None:
         pose = Pose2D(there.x, there.y, there.yaw)
         body.drive_to_pose(pose, token=goal.token, report=goal.report)
     else:
         body.drive_to(there.x, there.y, token=goal.token, report=goal.report)
+
+
+def _remembered(body: NavigableBody, there: Place | None, name: str) -> Place:
+    """A remembered place, in the frame that the body knows itself in. Raises `SkillFailed`."""
+    if there is None:  # forgotten since the goal was accepted
+        raise SkillFailed(because("place_unknown", place=name))
+    frame = located(body)[1]
+    if frame != there.frame:
+        raise SkillFailed(because("place_elsewhere", place=name, was=there.frame, frame=frame))
+    return there
 
 
 def _navigate_xy(body: NavigableBody, word: PlaceWord) -> Skill:

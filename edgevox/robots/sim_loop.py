@@ -15,7 +15,7 @@ from typing import Self
 from edgevox.agent.text.reasons import because, called_off
 from edgevox.core.clock import Clock, SystemClock
 from edgevox.core.errors import InvalidValue
-from edgevox.core.log import get_logger
+from edgevox.core.log import get_logger, worth_a_line
 from edgevox.core.status import (
     ComponentName,
     Finding,
@@ -127,7 +127,6 @@ MOST_LAG_S = 0.25
 """The most time that a stalled thread catches up; older time is dropped."""
 BROKE = because("broke")
 """The spoken reason of a goal that fails with a broken step."""
-_LOG_EVERY_S = 10.0
 _PAUSE_AFTER_FAILURE_S = 0.05
 _FACTOR_OVER_S = 1.0
 _LOOK_S = 0.1
@@ -214,7 +213,6 @@ class SimLoop:
         self._meter = _RateMeter(0.0)
         self._factor = 0.0
         self._due_s: float | None = None
-        self._next_log_s = 0.0
         self.failures = 0
 
     @property
@@ -350,9 +348,7 @@ class SimLoop:
             more = self._step()
         except Exception:
             self.failures += 1
-            now = self._clock.now()
-            if now >= self._next_log_s:
-                self._next_log_s = now + _LOG_EVERY_S
+            if worth_a_line(self.failures):
                 log.exception("world_step_failed", failures=self.failures)
             self._broke()
             return True

@@ -10,8 +10,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 from typing import Any
 
-from edgevox.scenario.compare import MISSING, Value, look_up
-from edgevox.scenario.format import Condition, Never
+from edgevox.scenario.format import MISSING, Condition, Never, Value, look_up
 
 MOST_REMEMBERED = 10_000
 """How many answers and events since the last stimulus an expectation may look back on."""

@@ -14,23 +14,25 @@ from datetime import datetime
 from pathlib import Path
 
 from cryptography import x509
+from cryptography.hazmat.primitives import hashes
+from cryptography.hazmat.primitives.serialization import Encoding
+from cryptography.hazmat.primitives.serialization.pkcs7 import PKCS7Options, PKCS7SignatureBuilder
 from pydantic import TypeAdapter
 
-from edgevox.core.errors import EdgeVoxError, InvalidValue
-from edgevox.core.files.state_files import PRIVATE, PUBLIC, write_atomically
-from edgevox.core.files.user_file import read_text
-from edgevox.security.documents import governance, permissions
-from edgevox.security.enclave_certificates import (
+from edgevox.core.certificates import (
+    BACK,
     LONGEST_NAME,
     Identity,
     make_authority,
     make_identity,
     read_certificate,
     read_identity,
-    revocation_list,
-    revoked_serials,
-    signed,
+    signer_of,
 )
+from edgevox.core.errors import EdgeVoxError, InvalidValue
+from edgevox.core.files.state_files import PRIVATE, PUBLIC, write_atomically
+from edgevox.core.files.user_file import read_text
+from edgevox.security.documents import governance, permissions
 from edgevox.security.roles import EnclaveRole, Graph, rights_of
 
 
@@ -84,9 +86,8 @@ class Keystore:
         self._public, self._private = folder / "public", folder / "private"
         if not (self._private / "ca.key.pem").is_file() or not self.enclaves.is_dir():
             raise InvalidValue("KEYSTORE", str(folder), "a folder that `create` made")
-        self._authority = read_identity(
-            _read(self._public / "ca.cert.pem"), _read(self._private / "ca.key.pem")
-        )
+        certificate, key = self._public / "ca.cert.pem", self._private / "ca.key.pem"
+        self._authority = read_identity(_read(certificate), _read(key), str(folder))
 
     @classmethod
     def create(cls, folder: Path, now: datetime, days: int = AUTHORITY_DAYS) -> "Keystore":
@@ -162,7 +163,7 @@ class Keystore:
         """Take an enclave away, and put its certificate on the list of those that do not count."""
         folder = self.at(enclave)
         crl = self._public / _CRL
-        serials = revoked_serials(_read(crl), str(crl))
+        serials = _revoked_serials(_read(crl), str(crl))
         serials.add(self.certificate(enclave).serial_number)
         _write_list(self._public, self._authority, serials, now)
         for file in folder.iterdir():
@@ -177,11 +178,11 @@ class Keystore:
         for name in OF_AN_ENCLAVE:
             if not (folder / name).exists():
                 raise EdgeVoxError(f"{folder / name}: missing, expected of every enclave")
-        return {name: _read(folder / name) for name in OF_AN_ENCLAVE}
+        return {name: _read(folder / name).encode() for name in OF_AN_ENCLAVE}
 
     def _issue(self, enclave: str, purpose: Purpose, now: datetime) -> None:
         rights = rights_of(purpose.role, purpose.graph, enclave)
-        made = make_identity(self._authority, enclave, now, purpose.days)
+        made = make_identity(self._authority, enclave, now, self._lasting(purpose.days, now))
         begins, ends = made.certificate.not_valid_before_utc, made.certificate.not_valid_after_utc
         folder = self.enclaves / enclave.lstrip("/")
         text = permissions(enclave, purpose.domain, begins, ends, rights)
@@ -190,9 +191,16 @@ class Keystore:
         write_atomically(folder / _KEY, made.key_pem, PRIVATE)
         write_atomically(folder / _CERTIFICATE, made.certificate_pem, PUBLIC)
 
+    def _lasting(self, days: int, now: datetime) -> int:
+        """So many days, or those that the authority has left. Raises `EdgeVoxError` for none."""
+        ends = self.authority.not_valid_after_utc
+        if ends <= now:
+            raise EdgeVoxError(f"authority: it ended {ends:%Y-%m-%d}, expected another keystore")
+        return min(days, (ends - now).days)
 
-def _read(file: Path) -> bytes:
-    return read_text(file, file.name).encode()
+
+def _read(file: Path) -> str:
+    return read_text(file, file.name)
 
 
 def _write_authority(folder: Path, authority: Identity) -> None:
@@ -209,12 +217,38 @@ def _write_authority(folder: Path, authority: Identity) -> None:
 def _write_list(
     public: Path, authority: Identity, serials: Sequence[int] | set[int], now: datetime
 ) -> None:
-    write_atomically(public / _CRL, revocation_list(authority, serials, now), PUBLIC)
+    """Which of the authority's certificates count no more.
+
+    The list says itself valid for as long as the authority: one that had ended would let nobody in.
+    """
+    signer = authority.certificate
+    builder = x509.CertificateRevocationListBuilder().issuer_name(signer.subject)
+    builder = builder.last_update(now - BACK).next_update(signer.not_valid_after_utc)
+    for serial in sorted(serials):
+        revoked = x509.RevokedCertificateBuilder().serial_number(serial).revocation_date(now)
+        builder = builder.add_revoked_certificate(revoked.build())
+    builder = builder.add_extension(signer_of(authority), critical=False)
+    builder = builder.add_extension(x509.CRLNumber(int(now.timestamp())), critical=False)
+    text = builder.sign(authority.key, hashes.SHA256()).public_bytes(Encoding.PEM).decode()
+    write_atomically(public / _CRL, text, PUBLIC)
+
+
+def _revoked_serials(pem: str, name: str) -> set[int]:
+    """The serial numbers on a list in PEM. Raises `EdgeVoxError`, naming the file."""
+    try:
+        return {one.serial_number for one in x509.load_pem_x509_crl(pem.encode())}
+    except ValueError:
+        raise EdgeVoxError(f"{name}: no list of revoked certificates in PEM") from None
 
 
 def _write_signed(path: Path, text: str, authority: Identity) -> None:
+    """The document, and beside it as S/MIME with its signature, which DDS security reads."""
+    builder = PKCS7SignatureBuilder().set_data(text.encode())
+    builder = builder.add_signer(authority.certificate, authority.key, hashes.SHA256())
+    options = [PKCS7Options.Text, PKCS7Options.DetachedSignature]
+    signed = builder.sign(Encoding.SMIME, options).decode()
     write_atomically(path.with_suffix(".xml"), text, PUBLIC)
-    write_atomically(path.with_suffix(".p7s"), signed(authority, text), PUBLIC)
+    write_atomically(path.with_suffix(".p7s"), signed, PUBLIC)
 
 
 def _link(link: Path, to: Path) -> None:

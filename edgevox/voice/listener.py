@@ -25,7 +25,10 @@ from edgevox.voice.audio import (
 from edgevox.voice.echo.canceller import VoiceOverEcho, open_echo
 from edgevox.voice.echo.gate import Unechoed
 from edgevox.voice.echo.played import PlayedSound
-from edgevox.voice.endpoint import (
+from edgevox.voice.stop_spotter.detector import StopDetector, StopWatch
+from edgevox.voice.stt.speech_to_text import SpeechToText
+from edgevox.voice.transcriber import Transcriber, TranscriptionJob
+from edgevox.voice.utterance_end import (
     ENDS_AFTER_S,
     VOICED,
     Endpointer,
@@ -34,9 +37,6 @@ from edgevox.voice.endpoint import (
     SpeechPaused,
     SpeechWentOn,
 )
-from edgevox.voice.stop.detector import StopDetector, StopWatch
-from edgevox.voice.stt.speech_to_text import SpeechToText
-from edgevox.voice.transcriber import Transcriber, TranscriptionJob
 from edgevox.voice.vad import VoiceDetector
 from edgevox.voice.wake.gate import WakeDecision, WakeGate
 from edgevox.voice.word_detection import WakeDetector

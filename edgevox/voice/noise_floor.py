@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from edgevox.voice.audio import FRAME_S, Samples, rms
-from edgevox.voice.endpoint import VOICED
+from edgevox.voice.utterance_end import VOICED
 from edgevox.voice.vad import VoiceDetector
 
 SILENT_DB = -96.0

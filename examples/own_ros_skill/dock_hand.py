@@ -7,7 +7,7 @@ from typing import Annotated
 
 from pydantic import Field
 
-from edgevox.agent.phrases.own_phrases import OwnPhrases
+from edgevox.agent.phrases.load import OwnPhrases
 from edgevox.agent.skills import GoalHandle, Result, Skill, SkillFailed, skill
 from edgevox.robots.node_handle import NodeHandle
 from edgevox.robots.skill_packages import SkillContext

@@ -25,6 +25,8 @@ class Elsewhere:
         "office": (7.0, 7.0),
     }
 
+    def turn(self, angle_rad: float, **_: object) -> None: ...
+
 
 class Apartment(Elsewhere):
     """Has a battery, too."""

@@ -3,10 +3,10 @@
 from docs.markdown import table
 from edgevox.agent.goals import executor as skill_executor
 from edgevox.agent.inbox import MAX_WAITING
-from edgevox.agent.llm.remote import http as http_request
 from edgevox.agent.nlu import interpreter
 from edgevox.apps.terminal import lines
 from edgevox.core.files import text, user_file
+from edgevox.core.servers import http as http_request
 from edgevox.ops import http_server
 from edgevox.robots.world import load as world
 from edgevox.ros2 import audio, skill_action

@@ -17,6 +17,7 @@ from shutil import which
 from typing import Any
 
 import pytest
+import yaml
 from guards import HUNG_S
 from stacks import docker
 
@@ -53,6 +54,7 @@ def tiny(tmp_path_factory, image) -> Iterator[str]:
     (folder / "sbom.json").write_text('{"bomFormat": "CycloneDX", "components": []}')
     (folder / "Dockerfile").write_text(
         f"FROM scratch\nCOPY sbom.json /opt/edgevox/sbom.json\nLABEL of={name}\n"
+        "LABEL org.opencontainers.image.version=7.8.9.dev12\n"
     )
     docker("build", "--quiet", "--tag", name, str(folder))
     yield name
@@ -125,6 +127,13 @@ def add(archive: tarfile.TarFile, name: str, data: bytes) -> None:
 def loaded(name: str) -> bool:
     looked = subprocess.run(["docker", "image", "inspect", name], capture_output=True)
     return looked.returncode == 0
+
+
+def test_its_name_its_image_and_its_chart_have_the_images_version(archive):
+    assert archive.name.startswith("edgevox-7.8.9.dev12-")
+    assert image_name(archive).startswith("edgevox-ros2:7.8.9.dev12-")
+    chart = yaml.safe_load(contents(archive)["helm/edgevox/Chart.yaml"])
+    assert (chart["version"], chart["appVersion"]) == ("7.8.9-dev.12", "7.8.9.dev12")
 
 
 def test_there_is_no_network_where_it_is_installed():

@@ -20,11 +20,10 @@ from waiting import wait_until
 
 from edgevox.agent.agents import Agent
 from edgevox.agent.conversation import Conversation
-from edgevox.agent.llm.language_model import ModelBusy
 from edgevox.agent.llm.remote import Address, EndpointModel, FallbackModel
-from edgevox.agent.llm.remote.server_errors import Unreachable
 from edgevox.core.bus import Bus
 from edgevox.core.commands import TextInput
+from edgevox.core.servers.errors import ServerBusy, Unreachable
 
 CONFIG = ROOT / "compose" / "llm-queue" / "haproxy.cfg"
 FULL = {429, 503}
@@ -178,7 +177,7 @@ def test_whoever_waits_too_long_is_told_that_it_is_full() -> None:
         first = robots.submit(status, port, 1)
         held.came()
         model = EndpointModel(Address(f"http://127.0.0.1:{port}"))
-        with pytest.raises(ModelBusy, match="too long in the queue"):
+        with pytest.raises(ServerBusy, match="too long in the queue"):
             ask(model, grammar=None)
         model.close()
         held.go.set()

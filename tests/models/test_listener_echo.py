@@ -8,7 +8,7 @@ from listener_rig import frames, loud, room_echo, says_espeak, says_piper, silen
 
 from edgevox.voice.audio import RATE_HZ, rms
 from edgevox.voice.echo.gate import EchoGate
-from edgevox.voice.endpoint import Endpointer, SpeechBegan
+from edgevox.voice.utterance_end import Endpointer, SpeechBegan
 from edgevox.voice.vad import open_vad
 
 ROBOT_LEVEL = 0.1

@@ -4,7 +4,7 @@ import numpy as np
 from listener_rig import frames, loud, says_espeak, silence
 
 from edgevox.voice.audio import FRAME_S, RATE_HZ
-from edgevox.voice.endpoint import Endpointer, SpeechEnded
+from edgevox.voice.utterance_end import Endpointer, SpeechEnded
 from edgevox.voice.vad import open_vad
 
 TALK = (

@@ -10,8 +10,8 @@ from edgevox.core.errors import EdgeVoxError
 from edgevox.core.languages import LANGUAGES
 from edgevox.models import locate
 from edgevox.voice.audio import FRAME_S, FRAME_SAMPLES, RATE_HZ, Samples
-from edgevox.voice.stop.network import ENCODER, StopEncoder, read_weights
-from edgevox.voice.stop.spotter import LOOKED_AT, SecondLook, StopSpotter, open_stop_spotter
+from edgevox.voice.stop_spotter.network import ENCODER, StopEncoder, read_weights
+from edgevox.voice.stop_spotter.spotter import LOOKED_AT, SecondLook, StopSpotter, open_stop_spotter
 from edgevox.voice.vad import SileroVad
 
 SPEAKERS = {"espeak": says_espeak, "piper": says_piper}

@@ -13,7 +13,7 @@ from voice_rig import SLOWLY
 from waiting import wait_until
 
 from edgevox.agent.llm.chat.grammar import SAY
-from edgevox.agent.llm.chat.history import CUT_MARK
+from edgevox.agent.llm.chat.prompt import CUT_MARK
 from edgevox.core.agent_events import AgentEvent, GoalChanged, SafetyPreempted
 from edgevox.core.commands import Interrupt, TextInput
 from edgevox.core.events import Responded, State, StateChanged, Transcribed

@@ -2,6 +2,7 @@
 
 import ast
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -15,8 +16,10 @@ import pytest
 from ament_index_python.packages import get_package_prefix, get_package_share_directory
 from catkin_pkg.package import Package, parse_package
 from guards import HUNG_S
+from packaging.version import Version
 
 import edgevox
+from edgevox.core.version import DECLARED
 
 ROOT = Path(__file__).resolve().parent.parent.parent
 SCRIPT = ROOT / "ament" / "lib" / "edgevox-agent"
@@ -112,9 +115,14 @@ def test_this_environment_is_registered_as_the_wheel_would(wheel: Path) -> None:
         assert (Path(sys.prefix) / name).read_bytes() == content, f"{name} is old: run make"
 
 
-def test_the_package_is_called_and_counted_as_the_python_package(package: Package) -> None:
+def test_the_package_has_the_python_packages_name_and_the_version_of_the_last_release(
+    package: Package,
+) -> None:
     assert package.name == edgevox.__name__
-    assert package.version == edgevox.__version__
+    changes = (ROOT / "CHANGELOG.md").read_text(encoding="utf-8")
+    (released, *_) = re.findall(r"^## (\d\S*)", changes, re.MULTILINE)
+    assert package.version == released
+    assert Version(DECLARED) >= Version(released)
     assert package.licenses == [PROJECT["license"]]
 
 

@@ -158,7 +158,8 @@ class Environment:
 
 def by_its_old_name(place: Path) -> Path:
     """A folder of EdgeVox from when pip knew it by the name that is not ours."""
-    ours = ("ament", "launch", "LICENSE", "README.md", "pyproject.toml", "edgevox/__init__.py")
+    ours = ("ament", "launch", "LICENSE", "README.md", "pyproject.toml")
+    ours += ("edgevox/__init__.py", "edgevox/core/version.py")
     for name in ours:
         source, copy = ROOT / name, place / name
         copy.parent.mkdir(parents=True, exist_ok=True)

@@ -5,11 +5,10 @@ from collections.abc import Callable
 from wrapped_engine import WrappedEngine
 
 from edgevox.robots.capabilities import Twist2D
-from edgevox.robots.flat.apartment import ApartmentRobot
+from edgevox.robots.flat.apartment import ApartmentRobot, PymunkEngine
 from edgevox.robots.flat.diff_drive import DiffDriveRobot
 from edgevox.robots.flat.engine import Engine, MotionState
 from edgevox.robots.flat.irsim import IrsimEngine, IrsimRobot
-from edgevox.robots.flat.pymunk_engine import PymunkEngine
 from edgevox.robots.world.model import World
 
 ENGINES: dict[type[DiffDriveRobot], Callable[[World], Engine]] = {

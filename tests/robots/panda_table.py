@@ -5,8 +5,8 @@ from typing import Any
 
 from edgevox.core.cancel import CancelToken
 from edgevox.models import locate
-from edgevox.robots.panda.layout import CUBE_SIZE_M
 from edgevox.robots.panda.robot import PandaRobot
+from edgevox.robots.panda.table import CUBE_SIZE_M
 from edgevox.robots.panda.workcell import Workcell
 
 LIFTED_M = 0.05

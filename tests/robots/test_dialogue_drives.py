@@ -10,7 +10,7 @@ from guards import HUNG_S
 
 from edgevox.agent.agents import Agent
 from edgevox.agent.conversation import Conversation
-from edgevox.agent.dialogue.known import Known
+from edgevox.agent.known import Known
 from edgevox.agent.skills import SkillSet
 from edgevox.core.agent_events import GoalChanged
 from edgevox.core.bus import Bus

@@ -13,8 +13,8 @@ from guards import HUNG_S
 from edgevox.core.errors import EdgeVoxError, InvalidValue
 from edgevox.core.transforms import Pose2D
 from edgevox.robots.capabilities import Twist2D
+from edgevox.robots.flat.apartment import PymunkEngine
 from edgevox.robots.flat.irsim import IrsimEngine, IrsimRobot, irsim_config, make_environment
-from edgevox.robots.flat.pymunk_engine import PymunkEngine
 from edgevox.robots.world.load import apartment_file, load_world, parse_world
 
 TWO_BOXES = """

@@ -16,8 +16,8 @@ from edgevox.robots.capabilities import (
     HasPose,
 )
 from edgevox.robots.mujoco import NoPicture
-from edgevox.robots.panda.layout import CUBES
 from edgevox.robots.panda.robot import PandaRobot
+from edgevox.robots.panda.table import CUBES
 
 
 @pytest.fixture

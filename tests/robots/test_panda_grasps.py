@@ -9,8 +9,8 @@ from held_time import STEP_S, HeldSkill, carry_out
 from panda_table import ask, is_lifted, moving, open_panda, put_cube
 
 from edgevox.agent.skills import SkillFailed
-from edgevox.robots.panda.layout import BINS, CUBES
 from edgevox.robots.panda.robot import PandaRobot
+from edgevox.robots.panda.table import BINS, CUBES
 
 
 @pytest.fixture

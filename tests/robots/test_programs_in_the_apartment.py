@@ -11,8 +11,8 @@ from edgevox.agent.skills import SkillSet
 from edgevox.core.agent_events import GoalChanged, GoalStatus, ProgramChanged
 from edgevox.core.bus import Bus
 from edgevox.core.commands import TextInput
+from edgevox.robots.facts import known_of
 from edgevox.robots.flat.apartment import ApartmentRobot
-from edgevox.robots.program_senses import senses_of
 
 STEP_S = 0.5
 
@@ -30,7 +30,7 @@ class Watched:
             [Agent("robot", "", SkillSet(robot.skills))],
             bus,
             halt=robot.halt,
-            senses=senses_of(robot),
+            known=known_of(robot),
         )
         self.talk.start()
 

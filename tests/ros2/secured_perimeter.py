@@ -37,8 +37,8 @@ from std_srvs.srv import Trigger
 from waiting import Heard, wait_until
 
 from edgevox.apps.security_command import main
+from edgevox.core.certificates import utc_now
 from edgevox.core.errors import InvalidValue
-from edgevox.security.enclave_certificates import utc_now
 from edgevox.security.startup import secured
 
 ASKED = "where are you"

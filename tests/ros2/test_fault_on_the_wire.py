@@ -17,8 +17,8 @@ from peer import RELIABLE, STATE, Peer
 
 from edgevox.apps.agent.build import build_parts, start_parts
 from edgevox.core.settings import load_settings
+from edgevox.robots.flat.apartment import PymunkEngine
 from edgevox.robots.flat.diff_drive import DiffDriveRobot
-from edgevox.robots.flat.pymunk_engine import PymunkEngine
 from edgevox.robots.sim_loop import BROKE
 from edgevox.robots.world.load import load_world
 from tf2_msgs.msg import TFMessage

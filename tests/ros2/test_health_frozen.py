@@ -23,8 +23,8 @@ from edgevox.core.commands import TextInput
 from edgevox.core.events import Answered
 from edgevox.core.settings import load_settings
 from edgevox.core.status import STALL_S
+from edgevox.robots.flat.apartment import PymunkEngine
 from edgevox.robots.flat.diff_drive import DiffDriveRobot
-from edgevox.robots.flat.pymunk_engine import PymunkEngine
 from edgevox.robots.world.load import load_world
 from edgevox.ros2.node import BEAT_S
 

@@ -20,8 +20,7 @@ from edgevox.agent.skills import OneOf, Skill, SkillSet
 from edgevox.robots.facts import facts_of
 from edgevox.robots.humanoid.skills import walking_skills
 from edgevox.robots.navigation import navigation_skills
-from edgevox.robots.panda.facts import table_facts
-from edgevox.robots.panda.skills import manipulation_skills
+from edgevox.robots.panda.skills import manipulation_skills, table_facts
 from edgevox.robots.places.memory import PlaceMemory
 from edgevox.robots.relative_skills import driving_skills
 
@@ -40,6 +39,8 @@ class Nobody:
 
     def battery(self) -> float:
         return 0.5
+
+    def turn(self, angle_rad: float, **_: object) -> None: ...
 
 
 MEMORY = PlaceMemory("apartment", OneOf(tuple(Nobody.places), {"fridge": "kitchen"}))

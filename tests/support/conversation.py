@@ -10,11 +10,10 @@ from waiting import Heard as Told
 
 from edgevox.agent.agents import Agent
 from edgevox.agent.conversation import Conversation
-from edgevox.agent.dialogue.known import Known
+from edgevox.agent.known import Known
 from edgevox.agent.nlu.decider import Decider
 from edgevox.agent.nlu.meaning import ASK_FROM, Meaning, read_head
 from edgevox.agent.policy import Guard
-from edgevox.agent.programs.senses import Senses
 from edgevox.agent.skills import Call, Skill, SkillSet
 from edgevox.core.agent_events import AgentEvent, Confirmation, as_json
 from edgevox.core.bus import Bus
@@ -117,12 +116,13 @@ class Talk:
             clock=clock,
             interlock=self.interlock,
             guard=Guard(policy, self.bus),
-            known=Known(facts=facts, pose=self.body.pose),
-            timer=self.clock,
-            senses=Senses(
+            known=Known(
+                facts=facts,
+                pose=self.body.pose,
                 battery=(lambda: self.body.battery) if battery else None,
                 way_back=lambda: BACK if BACK.skill in self.skills else None,
             ),
+            timer=self.clock,
             **more,
         )
 

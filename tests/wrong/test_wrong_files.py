@@ -33,7 +33,7 @@ from hypothesis import strategies as st
 from pydantic import BaseModel
 from std_msgs.msg import String
 
-from edgevox.agent.policy.file import read_policy_file
+from edgevox.agent.policy.policy import read_policy_file
 from edgevox.apps.container import prepared
 from edgevox.core.errors import InvalidValue, shorten
 from edgevox.core.files.user_file import LARGEST_TEXT_BYTES

@@ -12,7 +12,7 @@ from tokenizers import Tokenizer as Words
 from torch.nn.utils.rnn import pad_sequence
 from torch.utils.data import IterableDataset, get_worker_info
 
-from edgevox.voice.stop.network import HOP_SAMPLES
+from edgevox.voice.stop_spotter.network import HOP_SAMPLES
 from training.acoustics.clips import Clip
 from training.adapter.utterances import Utterance, Utterances, prompt
 

@@ -12,7 +12,7 @@ import torch
 from torch import nn
 from torch.nn import functional as nnf
 
-from edgevox.voice.stop.network import CHANNELS
+from edgevox.voice.stop_spotter.network import CHANNELS
 from edgevox.voice.stt.adapter import Added, arrays
 from training.whisper.encoder import HEADS, LAYERS, Adapted, Encoder, Fixed
 

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from edgevox.voice.audio import RATE_HZ
-from edgevox.voice.stop.network import SAMPLES
+from edgevox.voice.stop_spotter.network import SAMPLES
 from training.whisper.tracks import Drawn, Wave, silence, varied
 
 TRACK_S = 3.2

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from edgevox.voice.stop.network import (
+from edgevox.voice.stop_spotter.network import (
     CHANNELS,
     STEPS,
     StopWeights,

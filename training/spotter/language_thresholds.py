@@ -15,7 +15,7 @@ from pathlib import Path
 from benchmarks.hearing.stop_words.ears import Ears, joined
 from benchmarks.hearing.stop_words.language_sounds import said_in, tracks_of
 from edgevox.models import locate
-from edgevox.voice.stop.network import (
+from edgevox.voice.stop_spotter.network import (
     ENCODER,
     StopEncoder,
     StopWeights,

@@ -11,7 +11,7 @@ import torch
 from torch import nn
 from torch.nn.functional import cross_entropy
 
-from edgevox.voice.stop.network import LANGUAGES_FILE, WEIGHTS_FILE, StopWeights
+from edgevox.voice.stop_spotter.network import LANGUAGES_FILE, WEIGHTS_FILE, StopWeights
 from training.spotter.examples import IGNORED
 from training.spotter.installing import encoder_of
 from training.spotter.languages import Outputs

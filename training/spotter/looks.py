@@ -12,7 +12,7 @@ import torch
 from torch.utils.data import IterableDataset, get_worker_info
 
 from edgevox.voice.audio import RATE_HZ
-from edgevox.voice.stop.network import SAMPLES
+from edgevox.voice.stop_spotter.network import SAMPLES
 from training.spotter.examples import IGNORED, Example, Examples, Sound
 from training.spotter.languages import ENGLISH, Outputs
 

@@ -1,4 +1,4 @@
-"""The network in PyTorch, to learn; `edgevox/voice/stop/network.py` is how it runs."""
+"""The network in PyTorch, to learn; `edgevox/voice/stop_spotter/network.py` is how it runs."""
 
 from collections.abc import Sequence
 
@@ -6,7 +6,7 @@ import numpy as np
 import torch
 from torch import nn
 
-from edgevox.voice.stop.network import CHANNELS, LAST_STEPS, STEPS, StopLayer, StopWeights
+from edgevox.voice.stop_spotter.network import CHANNELS, LAST_STEPS, STEPS, StopLayer, StopWeights
 
 INNER, INNER_OF_LANGUAGES, HIDDEN, MEANS, TAPS = 96, 128, 96, 4, 3
 """The network of the other languages is wider: it knows seven times as many words."""
@@ -41,7 +41,7 @@ class Network(nn.Module):
 
 
 def layers_of(network: Network) -> dict[str, np.ndarray]:
-    """Its numbers, by the names that `edgevox/voice/stop/network.py` knows them by."""
+    """Its numbers, by the names that `edgevox/voice/stop_spotter/network.py` knows them by."""
     found: dict[str, np.ndarray] = {
         "scale": _numbers(network.norm.weight),
         "shift": _numbers(network.norm.bias),

@@ -2,10 +2,10 @@
 
     python -m training.spotter.threshold [--weights FILE] [--alone] [--hours 2]
 
-For some odds (`LEAST_ODDS` of `edgevox/voice/stop/spotter.py`) it prints how many words are heard,
-and how often an hour it stops for nothing; with `--alone` for the thresholds of the network, which
-decide where the second look fails. The voices, sentences, noises and rooms are neither those of the
-training nor those of the test.
+For some odds (`LEAST_ODDS` of `edgevox/voice/stop_spotter/spotter.py`) it prints how many words are
+heard, and how often an hour it stops for nothing; with `--alone` for the thresholds of the network,
+which decide where the second look fails. The voices, sentences, noises and rooms are neither those
+of the training nor those of the test.
 """
 
 import argparse
@@ -25,7 +25,7 @@ from benchmarks.hearing.stop_words.ears import (
     stretches,
 )
 from benchmarks.hearing.stop_words.sounds import clips, words
-from edgevox.voice.stop.network import read_weights
+from edgevox.voice.stop_spotter.network import read_weights
 from training.acoustics import Half
 from training.acoustics.clips import Clip, speak, standing_on
 

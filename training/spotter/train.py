@@ -13,9 +13,9 @@ It begins with the weights of this package, or with Whisper's encoder alone (`--
 for a graphics card and several cores; one core does the same with fewer `--looks` and `--steps`.
 
 `threshold.py` and `language_thresholds.py` beside this show which thresholds to take. The package's
-own weights, `edgevox/voice/stop/stop_spotter.npz` and those of the other languages beside it,
-change by `--install` alone, which does without PyTorch; languages that it does not name are left
-out. The benchmark `stop_words` tells how well they hear then.
+own weights, `edgevox/voice/stop_spotter/stop_spotter.npz` and those of the other languages beside
+it, change by `--install` alone, which does without PyTorch; languages that it does not name are
+left out. The benchmark `stop_words` tells how well they hear then.
 """
 
 import argparse
@@ -25,7 +25,7 @@ from functools import partial
 from pathlib import Path
 
 from edgevox.models import locate
-from edgevox.voice.stop.network import (
+from edgevox.voice.stop_spotter.network import (
     ENCODER,
     LANGUAGES_FILE,
     WEIGHTS_FILE,
@@ -44,7 +44,7 @@ from training.spotter.languages import ENGLISH, Outputs, sounds_of
 from training.whisper.program import add_options
 
 ROOT = Path(__file__).resolve().parents[2]
-PLACE = ROOT / "edgevox" / "voice" / "stop" / WEIGHTS_FILE
+PLACE = ROOT / "edgevox" / "voice" / "stop_spotter" / WEIGHTS_FILE
 STEPS, LOOKS = 5_000, 4_096
 NOISES_OF_A_KIND, NOISE_S = 48, 8.0
 SEED = 1

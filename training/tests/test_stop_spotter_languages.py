@@ -20,9 +20,9 @@ from stop_words_rig import (
 
 from edgevox.core.languages import LANGUAGES
 from edgevox.voice.audio import FRAME_S, FRAME_SAMPLES
-from edgevox.voice.stop import network
-from edgevox.voice.stop import spotter as stop_spotter
-from edgevox.voice.stop.network import (
+from edgevox.voice.stop_spotter import network
+from edgevox.voice.stop_spotter import spotter as stop_spotter
+from edgevox.voice.stop_spotter.network import (
     CHANNELS,
     LANGUAGES_FILE,
     STEPS,
@@ -31,7 +31,7 @@ from edgevox.voice.stop.network import (
     read_language_weights,
     read_weights,
 )
-from edgevox.voice.stop.spotter import LOOKS_EVERY, REST_S, StopSpotter
+from edgevox.voice.stop_spotter.spotter import LOOKS_EVERY, REST_S, StopSpotter
 
 SHIPPED = Path(network.__file__).with_name(LANGUAGES_FILE)
 KNOWN = sorted(read_language_weights())

@@ -18,7 +18,7 @@ from stop_words_rig import (
 )
 
 from edgevox.voice.audio import RATE_HZ
-from edgevox.voice.stop.network import SAMPLES, read_weights, weights_of
+from edgevox.voice.stop_spotter.network import SAMPLES, read_weights, weights_of
 
 SHIPPED = train_stop_spotter.PLACE
 

@@ -7,7 +7,14 @@ from faster_whisper.feature_extractor import FeatureExtractor
 from torch.nn.functional import pad
 
 from edgevox.voice.audio import FULL_SCALE
-from edgevox.voice.stop.network import BANDS, HOP_SAMPLES, LEAST, LOUDEST, RANGE, WINDOW_SAMPLES
+from edgevox.voice.stop_spotter.network import (
+    BANDS,
+    HOP_SAMPLES,
+    LEAST,
+    LOUDEST,
+    RANGE,
+    WINDOW_SAMPLES,
+)
 
 _AFTER_SAMPLES = 160
 
@@ -21,8 +28,9 @@ class Bands:
         self._filters = filters.float().T.to(device)
 
     def of_looks(self, sounds: torch.Tensor) -> torch.Tensor:
-        """What `edgevox.voice.stop.network.bands_of` makes of each: int16 (sounds, `SAMPLES`) to
-        (sounds, bands, rows).
+        """Bands by `edgevox.voice.stop_spotter.network.bands_of`.
+
+        From int16 (sounds, `SAMPLES`) to (sounds, bands, rows).
         """
         loudness = self._loudness(sounds.float() / FULL_SCALE)
         beside = loudness - loudness.amax((1, 2), keepdim=True)

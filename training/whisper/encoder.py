@@ -14,7 +14,7 @@ import torch
 from torch import nn
 from torch.nn import functional as nnf
 
-from edgevox.voice.stop.network import CHANNELS
+from edgevox.voice.stop_spotter.network import CHANNELS
 from edgevox.voice.stt.adapter import DOWN, UP, Added, arrays
 
 LAYERS, HEADS = 4, 6

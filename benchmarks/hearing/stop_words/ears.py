@@ -20,7 +20,7 @@ from benchmarks.hearing.stop_words.sounds import (
 from edgevox.models import locate
 from edgevox.voice.audio import FRAME_S, FRAME_SAMPLES, RATE_HZ, Samples
 from edgevox.voice.noise_floor import NoiseFloor
-from edgevox.voice.stop.network import (
+from edgevox.voice.stop_spotter.network import (
     ENCODER,
     SAMPLES,
     Floats,
@@ -28,7 +28,7 @@ from edgevox.voice.stop.network import (
     StopWeights,
     likelihoods,
 )
-from edgevox.voice.stop.spotter import (
+from edgevox.voice.stop_spotter.spotter import (
     LEAST_ODDS,
     LOOKED_AT,
     LOOKS_EVERY,

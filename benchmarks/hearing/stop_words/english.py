@@ -34,7 +34,7 @@ from edgevox.agent.nlu.hearing.near import NearStop
 from edgevox.agent.stop.words import SafetyWords
 from edgevox.apps.agent.models import open_phonemes
 from edgevox.voice.audio import RATE_HZ, Samples
-from edgevox.voice.stop.network import read_weights
+from edgevox.voice.stop_spotter.network import read_weights
 from training.acoustics import Half
 from training.acoustics.clips import Clip, of_engine, speak, standing_on
 from training.acoustics.mixing import at_level

@@ -33,7 +33,7 @@ from edgevox.agent.stop.words import find_stop_word
 from edgevox.core.languages import LANGUAGES
 from edgevox.models import ModelMissing
 from edgevox.voice.audio import RATE_HZ, Samples
-from edgevox.voice.stop.network import read_language_weights, read_weights
+from edgevox.voice.stop_spotter.network import read_language_weights, read_weights
 from edgevox.voice.tts.voices import VoicePool
 from training.acoustics import Half
 from training.acoustics.clips import Clip, speak

@@ -8,6 +8,7 @@ the skills. It reads an answer or a correction ("no, the bedroom") before any ot
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
+from edgevox.agent.agents import Agent
 from edgevox.agent.dialogue.acts import Answer, Answers, correct
 from edgevox.agent.dialogue.memory import DriveCall, LastDrive
 from edgevox.agent.dialogue.question import OpenQuestion, Question
@@ -297,10 +298,27 @@ class Asking:
         right = correct(
             wrong, agent.every_skill[wrong.skill], text, self._answers, self._interpreter.phrases
         )
+        right = right or self._other_way(wrong, agent, text)
         if right is None:
             return None
         self.question.end(ConfirmationStatus.DECLINED)
         return Meaning(agent, tuple(right if c is wrong else c for c in calls), "template")
+
+    def _other_way(self, wrong: Call, agent: Agent, text: str) -> Call | None:
+        """The call by the same amount the other way: "no, to the right"."""
+        rest = self._answers.after_no(text)
+        plain = self._interpreter.plain(rest) if rest else None
+        if not isinstance(plain, Meaning) or len(plain.calls) != 1:
+            return None
+        (call,) = plain.calls
+        skills = agent.every_skill
+        if call.skill == wrong.skill or call.arguments or call.skill not in skills:
+            return None
+        one, other = skills[call.skill], skills[wrong.skill]
+        same = one.arguments_model.model_fields.keys() == other.arguments_model.model_fields.keys()
+        return (
+            Call(call.skill, wrong.arguments) if one.relative and other.relative and same else None
+        )
 
     def _asked_between(self, text: str) -> Question | None:
         """The open question that these words leave open: they only ask the robot something."""
@@ -318,8 +336,14 @@ class Asking:
             return None
         rest = self._answers.after_no(text)
         denied = answer is Answer.NO and self._counts(answer, text)
-        denied = denied or (bool(rest) and self._interpreter.plain(rest) is None)
+        denied = denied or (bool(rest) and not self._asks_for_more(rest))
         return Meaning(agent, (Call(STOP),), "template") if denied else None
+
+    def _asks_for_more(self, text: str) -> bool:
+        """True if the text is a plain command, and not only a question to the robot."""
+        plain = self._interpreter.plain(text)
+        tells = isinstance(plain, Meaning) and self._dialogue_skills.only_tells(plain.calls)
+        return plain is not None and not tells
 
     def _unanswered(self, text: str) -> str:
         """The words left to understand: all, or those after the no of "no, go to the office".

@@ -7,8 +7,8 @@ these here are for what nobody told the robot: it says so, and a language model 
 from collections.abc import Callable, Mapping
 from typing import Annotated
 
-from edgevox.agent.dialogue.known import Known, about_s
 from edgevox.agent.dialogue.memory import Dialogue, MotionRecord
+from edgevox.agent.known import Known, about_s
 from edgevox.agent.phrases.phrasebook import Phrasebook
 from edgevox.agent.skills import GoalHandle, Result, Skill, skill
 from edgevox.agent.skills.choices import NewName

@@ -10,7 +10,7 @@ from typing import Any
 from edgevox.agent.dialogue.memory import Dialogue, DialogueExchange
 from edgevox.agent.nlu.orders import After, Do, Program, When, kernel, parts_of
 from edgevox.agent.skills import Call, OneOf, Skill, SkillFailed
-from edgevox.agent.skills.going import TO_POINT, no_further, no_way_back
+from edgevox.agent.skills.skill import TO_POINT, no_further, no_way_back
 from edgevox.agent.text.reasons import because
 
 _CENTIMETRES = 2
@@ -69,6 +69,11 @@ class References:
             raise SkillFailed(because("no_way_back"))
         x, y = round(start.x_m, _CENTIMETRES), round(start.y_m, _CENTIMETRES)
         return (Call(TO_POINT, {"x": x, "y": y}),)
+
+    def may_reverse(self) -> bool:
+        """True if "go back" may ask for the reverse of the last motion: it went by an amount."""
+        moved = self._dialogue.moved()
+        return moved is not None and self._skills[moved.skill].relative
 
     def other(self) -> Sequence[Call]:
         """The last calls with the other word, if there is one choice between just two words."""

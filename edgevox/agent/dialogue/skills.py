@@ -11,11 +11,12 @@ from typing import Annotated
 
 from edgevox.agent.agents import Agent, skills_of
 from edgevox.agent.dialogue.facts import OF_DIALOGUE, dialogue_facts
-from edgevox.agent.dialogue.known import NOTHING_KNOWN, Known
 from edgevox.agent.dialogue.memory import Dialogue
 from edgevox.agent.dialogue.references import References
+from edgevox.agent.known import NOTHING_KNOWN, Known
 from edgevox.agent.nlu.abilities import abilities
-from edgevox.agent.nlu.meaning import Meaning
+from edgevox.agent.nlu.interpreter import BACK
+from edgevox.agent.nlu.meaning import ASK_FROM, Meaning
 from edgevox.agent.nlu.orders import Again, Do, Program, calls_of, replaced
 from edgevox.agent.phrases.phrasebook import Phrasebook, detail
 from edgevox.agent.skills import (
@@ -100,7 +101,7 @@ def _quoted(words: str) -> str:
 
 CAN = "what_can_you_do"
 QUESTIONS = ("what_are_you_doing", "why_did_you", "what_did_you_hear", CAN)
-REFERENCES = ("again", "go_back", "further", "the_other")
+REFERENCES = ("again", BACK, "further", "the_other")
 ALSO = "this_one_too"
 DIALOGUE_SKILLS = (*QUESTIONS, *REFERENCES, ALSO)
 """Names of all dialogue skills."""
@@ -169,6 +170,8 @@ class DialogueSkills:
             return None
         if any(call.skill == CAN for call in calls):
             turn.write(self._answers.can()[1])
+        if any(call.skill == BACK for call in meaning.calls) and self._references.may_reverse():
+            meaning = replace(meaning, confidence=min(meaning.confidence, ASK_FROM))
         return replace(meaning, agent=self._owner(meaning.agent, calls), calls=calls)
 
     def _kept(self, meaning: Meaning, program: Program, turn: Turn) -> Meaning | None:
@@ -207,7 +210,7 @@ class DialogueSkills:
         match call.skill:
             case "again":
                 return self._references.again()
-            case "go_back":
+            case name if name == BACK:
                 return self._references.back()
             case "further":
                 return self._references.further()

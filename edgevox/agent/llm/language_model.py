@@ -1,4 +1,4 @@
-"""The interface of language models, and their errors."""
+"""The interface of language models, their errors, and a stand-in for a missing model."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -58,3 +58,37 @@ class LanguageModel(Protocol):
 
     def close(self) -> None:
         """Free the model's memory and end its threads; what is being generated ends with them."""
+
+
+class AbsentModel:
+    """Implements `LanguageModel`: it never answers, and says why.
+
+    So a robot without its model starts, obeys plain commands, and says why it cannot do more.
+    """
+
+    name = "none"
+
+    def __init__(self, fault: str, *, context_tokens: int = CONTEXT_TOKENS) -> None:
+        self.fault = fault
+        self.context_tokens = context_tokens
+
+    def generate(
+        self,
+        messages: Sequence[ChatMessage],  # noqa: ARG002 - whatever it is asked
+        *,
+        grammar: str | None,  # noqa: ARG002
+        max_tokens: int,  # noqa: ARG002
+        token: CancelToken,  # noqa: ARG002
+    ) -> Iterator[str]:
+        """See `LanguageModel.generate`."""
+        raise ModelFailed(self.fault)
+
+    def prime(self, messages: Sequence[ChatMessage], token: CancelToken) -> None:
+        """There is nothing to be read into."""
+
+    def count_tokens(self, text: str) -> int:  # noqa: ARG002
+        """Any text fits."""
+        return 0
+
+    def close(self) -> None:
+        """There is nothing to be freed."""

@@ -4,6 +4,7 @@ from pathlib import Path
 
 from edgevox.agent.llm.language_model import LanguageModel
 from edgevox.core.clock import Clock
+from edgevox.core.servers.health import ServerHealth
 from edgevox.core.status import (
     ComponentName,
     Finding,
@@ -53,11 +54,7 @@ class LlmComponent:
         if self._failing.grew(failed):
             text = f"an answer failed, {failed} by now; the log says why"
             found.append(Finding(Level.ERROR, text))
-        server = {
-            "server_up": not fault,
-            "fallbacks": _count(self._model, "fallbacks"),
-            "turned_away": _count(self._model, "turned_away"),
-        }
+        server: ServerHealth | None = getattr(self._model, "health", None)
         return Status.judged(
             self.name,
             found,
@@ -68,9 +65,5 @@ class LlmComponent:
             context_tokens=self._model.context_tokens,
             tokens_per_s=self._gauges.tokens_per_s,
             failed=failed,
-            **(server if self._endpoint else {}),
+            **(server.figures() if server else {}),
         )
-
-
-def _count(model: LanguageModel, name: str) -> int:
-    return int(getattr(model, name, 0))

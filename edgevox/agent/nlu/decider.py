@@ -241,10 +241,13 @@ _OBJECTIONS = ("denied", "reports", "opens_as_question", "asks", "plans", "addre
 
 
 class Readings:
-    """Reads and judges sentences for one set of skills, in one language and in English."""
+    """Reads and judges sentences for one set of skills, in one language and in English.
+
+    Skills that only their templates ask for are left out.
+    """
 
     def __init__(self, skills: SkillSet, language: str) -> None:
-        self._skills = skills
+        self._skills = SkillSet(one for one in skills.values() if not one.plainly)
         self._language = language
         self._words: Any = None
         self._readers: list[tuple[Lexicon, CallReader]] = []

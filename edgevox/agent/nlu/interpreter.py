@@ -9,7 +9,7 @@ from collections.abc import Iterable, Sequence
 
 from edgevox.agent.agents import Agent, by_name
 from edgevox.agent.llm.chat.calls import HANDOFF, Protocol
-from edgevox.agent.llm.chat.history import History, size_tokens
+from edgevox.agent.llm.chat.prompt import History, size_tokens
 from edgevox.agent.llm.language_model import ChatMessage, LanguageModel, ModelBusy, ModelFailed
 from edgevox.agent.nlu.abilities import abilities, not_understood
 from edgevox.agent.nlu.decider import Decider, Decision, Readings
@@ -169,7 +169,7 @@ class Interpreter:
         for agent in self._active_first():
             found = self._recognisers[agent.name].recognise(text)
             if isinstance(found, Understood):
-                asks = found.nearly or may_ask_whether(found.calls, text, self._code)
+                asks = found.unsure or may_ask_whether(found.calls, text, self._code)
                 return Meaning(agent, found.calls, "template", ASK_FROM if asks else 1.0)
             if isinstance(found, RefusedCommand):
                 return found

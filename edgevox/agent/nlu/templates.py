@@ -115,12 +115,17 @@ each place may end at each word, and a sentence of ten words was tried for hours
 _Lists = dict[str, SlotList]
 
 
-def compile_templates(skills: SkillSet, book: Phrasebook, *, loose: bool) -> "Templates":
-    """Compile the templates of these skills; `loose` accepts any words for known words."""
+def compile_templates(
+    skills: SkillSet, book: Phrasebook, *, loose: bool = False, asking: bool = False
+) -> "Templates":
+    """Compile the templates of these skills, or with `asking` those after which the robot asks.
+
+    `loose` accepts any words for known words.
+    """
     shared = _shared(book.code, tuple(book.rules.items()), book.hearing.places)
-    templates = {
-        name: book.templates(one) for name, one in skills.items() if not loose or one.choices
-    }
+    several = {name: one for name, one in skills.items() if not loose or one.choices}
+    written = book.asking if asking else book.templates
+    templates = {name: written(one) for name, one in several.items()}
     parsed = {name: [shared.template(one) for one in some] for name, some in templates.items()}
     if loose:
         parsed = {n: [one for one in p if one.slots <= LOOSE_SLOTS] for n, p in parsed.items()}
@@ -287,8 +292,8 @@ class Understood:
 
     calls: tuple[Call, ...]
     """The calls."""
-    nearly: bool = False
-    """True if a word was replaced by a similar one."""
+    unsure: bool = False
+    """True if a word was replaced by a similar one, or if the robot must ask first."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -356,18 +361,20 @@ class _TemplateReader:
         self._answers = answers
         self._joints = _joints(book.hearing)
         self._reserved = frozenset(map(key, book.hearing.reserved))
-        self._strict = compile_templates(self._skills, book, loose=False)
+        self._strict = compile_templates(self._skills, book)
+        self._asking = compile_templates(self._skills, book, asking=True)
         self._loose = compile_templates(skills, book, loose=True)
         self.learn()
 
     def learn(self) -> None:
         """Take over the present words of the arguments; the templates stay as they are."""
         made: dict[int, TextSlotList] = {}  # skills may share their choices
-        for name, lists in self._strict.lists.items():
-            for argument, one in self._skills[name].choices.items():
-                if id(one) not in made:
-                    made[id(one)] = word_list(one, self._book)
-                lists[argument] = made[id(one)]
+        for templates in (self._strict, self._asking):
+            for name, lists in templates.lists.items():
+                for argument, one in self._skills[name].choices.items():
+                    if id(one) not in made:
+                        made[id(one)] = word_list(one, self._book)
+                    lists[argument] = made[id(one)]
 
     def read(self, text: str) -> Understood | RefusedCommand | None:
         """The result of `Recogniser.recognise` for a text with numbers as digits."""
@@ -381,7 +388,7 @@ class _TemplateReader:
             known = [part for part in found if isinstance(part, Understood)]
             if len(known) == len(parts):
                 calls = tuple(call for part in known for call in part.calls)
-                return Understood(calls, nearly=any(part.nearly for part in known))
+                return Understood(calls, unsure=any(part.unsure for part in known))
             refusals = [part for part in found if isinstance(part, RefusedCommand)]
             return refusals[0] if refusals and len(known) + len(refusals) == len(parts) else None
         return whole
@@ -392,6 +399,8 @@ class _TemplateReader:
         sentence = written(unpunctuated(separated(paired)), self._book.hearing)
         for call in self._matches(sentence, self._strict):
             return Understood((call,))
+        for call in self._matches(sentence, self._asking):
+            return Understood((call,), unsure=True)
         if key(sentence) in self._reserved:
             return None
         for call in self._matches(sentence, self._loose):

@@ -1,8 +1,14 @@
-"""The loader of phrasebooks, from the file of each language in `edgevox/core/languages`."""
+"""The loader of phrasebooks.
+
+`phrasebook` reads a language of EdgeVox, from `edgevox/core/languages`; `OwnPhrases` the languages
+of a package of skills.
+"""
 
 import re
+import tomllib
 from collections.abc import Mapping
 from functools import cache
+from pathlib import Path
 from typing import Any
 
 from edgevox.agent.phrases.phrasebook import (
@@ -14,10 +20,13 @@ from edgevox.agent.phrases.phrasebook import (
 )
 from edgevox.agent.skills import Example, SkillPhrases
 from edgevox.agent.text.number_words import Numbers, Rewriting, lengths, number_words
+from edgevox.agent.text.reasons import in_words
 from edgevox.agent.text.spelling import key
 from edgevox.agent.text.words import word_of
+from edgevox.core.errors import InvalidValue
 from edgevox.core.files.text import one_form
 from edgevox.core.languages import LANGUAGES, language_file
+from edgevox.core.reason import Reason
 
 ENGLISH = "en"
 """The language that skills and robots speak by themselves, and that all others fall back to."""
@@ -133,6 +142,7 @@ def _skill_phrases(data: Mapping[str, Any]) -> SkillPhrases:
         can=data.get("can", ""),
         actions=_several(data.get("action", ())),
         templates=(*data.get("templates", ()), *data.get("more", ())),
+        asks=tuple(data.get("asks", ())),
         says=_several(data.get("says", ())),
         done=_several(data.get("done", ())),
         examples=tuple(Example(one.pop("sentence"), one) for one in examples),
@@ -153,3 +163,38 @@ def _rewritings(data: Any) -> tuple[Rewriting, ...]:
     return tuple(
         (re.compile(one_form(pattern), re.IGNORECASE), replacement) for pattern, replacement in data
     )
+
+
+class OwnPhrases:
+    """The tables `skills` and `reasons` of each file, in the form of `edgevox/core/languages`.
+
+    Raises `InvalidValue` for a file that is of no language, for a folder without `en.toml`, and for
+    a language that lacks a reason that English has.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        files = sorted(folder.glob("*.toml"))
+        self._by_code = {file.stem: tomllib.loads(file.read_text("utf-8")) for file in files}
+        for code in self._by_code:
+            if code not in LANGUAGES:
+                raise InvalidValue(str(folder), code, "a language: " + ", ".join(LANGUAGES))
+        if ENGLISH not in self._by_code:
+            raise InvalidValue(str(folder), list(self._by_code), f"{ENGLISH}.toml at least")
+        for code in self._by_code:
+            missing = self._table(ENGLISH, "reasons").keys() - self._table(code, "reasons").keys()
+            if missing:
+                raise InvalidValue(f"{folder / code}.toml", "no " + min(missing), "a reason")
+
+    def of(self, name: str) -> Mapping[str, SkillPhrases]:
+        """The phrases of the skill of this name, by language."""
+        entries = {code: skill_entries(self._table(code, "skills")) for code in self._by_code}
+        return {code: skills[name] for code, skills in entries.items() if name in skills}
+
+    def because(self, code: str, /, **values: str) -> Reason:
+        """The reason of this code. Raises `KeyError` for one that `en.toml` does not have."""
+        sentences = {one: self._table(one, "reasons")[code] for one in self._by_code}
+        return Reason(in_words(sentences[ENGLISH], values), code, values, sentences)
+
+    def _table(self, code: str, name: str) -> Mapping[str, Any]:
+        table: Mapping[str, Any] = self._by_code[code].get(name, {})
+        return table

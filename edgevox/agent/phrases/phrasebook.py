@@ -283,6 +283,10 @@ class Phrasebook:
             return one.templates
         return suited(one, self._phrases(one).templates, self.rules)
 
+    def asking(self, one: Skill) -> tuple[str, ...]:
+        """The sentences that may call this skill, so that the robot asks first."""
+        return suited(one, self._phrases(one).asks, self.rules)
+
     def written_out(self, template: str) -> str:
         """A template without the names of rules."""
         return written_out(template, self.rules)

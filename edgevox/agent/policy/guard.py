@@ -14,9 +14,17 @@ from datetime import datetime
 from pathlib import Path
 from typing import Any
 
-from edgevox.agent.policy.file import Denied, NeedsConfirmation, Rule
 from edgevox.agent.policy.limits import PolicyContext
-from edgevox.agent.policy.policy import NOWHERE, VELOCITY, Policy, load_policy, local_time
+from edgevox.agent.policy.policy import (
+    NOWHERE,
+    VELOCITY,
+    Denied,
+    NeedsConfirmation,
+    Policy,
+    Rule,
+    load_policy,
+    local_time,
+)
 from edgevox.core.agent_events import GoalRejected
 from edgevox.core.bus import Bus
 from edgevox.core.clock import Clock, SystemClock

@@ -1,24 +1,28 @@
-"""The keeper of programs, which wait without a thread, are checked when they fire, and end."""
+"""The keeper of programs, which wait without a thread, are checked when they fire, and end.
+
+The policy and the bounds are asked at the order and before each step.
+"""
 
 import uuid
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from typing import Any
 
+from edgevox.agent.goals.executor import SkillExecutor
 from edgevox.agent.goals.goal import Goal
+from edgevox.agent.known import NOTHING_KNOWN, Known
 from edgevox.agent.nlu.orders import (
     After,
     BatteryBelow,
     Program,
     Repeat,
     When,
+    calls_of,
     drives,
     moves,
 )
 from edgevox.agent.phrases.phrasebook import Phrasebook
-from edgevox.agent.programs.permission import Hands, Permission
 from edgevox.agent.programs.run import ProgramRun, in_words
-from edgevox.agent.programs.senses import NO_SENSES, Senses
 from edgevox.agent.programs.store import (
     LONGEST_RUN_S,
     LONGEST_WAIT_S,
@@ -26,8 +30,9 @@ from edgevox.agent.programs.store import (
     ProgramStore,
     Timer,
     Waits,
+    check_bounds,
 )
-from edgevox.agent.skills import SkillFailed, SkillSet, reason_of
+from edgevox.agent.skills import Call, SkillFailed, SkillSet, reason_of
 from edgevox.agent.text.reasons import because
 from edgevox.agent.text.words import continued
 from edgevox.agent.turn import Turn
@@ -44,6 +49,55 @@ LEAD_S = 2.0
 """Seconds from the announcement of a program that moves by itself to its motion."""
 
 
+class _Permission:
+    """Asks the policy about a program, by the way of its order: at the order and at each step."""
+
+    def __init__(
+        self,
+        executor: SkillExecutor,
+        skills: SkillSet,
+        known: Known,
+        phrases: Callable[[], Phrasebook],
+    ) -> None:
+        self._executor = executor
+        self._skills = skills
+        self._known = known
+        self._phrases = phrases
+
+    def is_given(self, program: Program, turn: Turn, *, confirmed: bool = False) -> bool:
+        """True if the program may be kept; if not, say why.
+
+        Raises `NeedsConfirmation` if the policy wants a yes and the program is not `confirmed`.
+        """
+        try:
+            check_bounds(program, self._known, self._skills.values())
+        except SkillFailed as error:
+            turn.say(self._phrases().refusal(error.reason), Outcome.REFUSED)
+            return False
+        calls = calls_of(program)
+        prepared = self._executor.prepare(calls, self._skills, turn, confirmed=confirmed)
+        return bool(prepared) or not calls
+
+    def check(self, kept: Kept) -> None:
+        """Raise if the program is not allowed now."""
+        check_bounds(kept.program, self._known, self._skills.values())
+        for call in calls_of(kept.program):
+            self._executor.check(
+                call,
+                self._skills,
+                kept.way,
+                kept.turn,
+                mark=kept.mark,
+                confirmed=kept.confirmed,
+            )
+
+    def step(self, kept: Kept, call: Call) -> Goal:
+        """The goal of a step that begins now. Raises if the step is not allowed."""
+        return self._executor.step(
+            call, self._skills, kept.way, kept.turn, mark=kept.mark, confirmed=kept.confirmed
+        )
+
+
 class Programs:
     """The programs that wait and run. Every method may be called from any thread.
 
@@ -55,38 +109,38 @@ class Programs:
     def __init__(
         self,
         bus: Bus,
-        hands: Hands,
+        executor: SkillExecutor,
         skills: SkillSet,
         *,
         announce: Callable[[str], None],
         phrases: Callable[[], Phrasebook],
         clock: Clock,
         timer: Timer | None = None,
-        senses: Senses = NO_SENSES,
+        known: Known = NOTHING_KNOWN,
     ) -> None:
-        """Store the collaborators and follow the hands.
+        """Store the collaborators and follow the executor.
 
         Args:
             bus: Carries `ProgramChanged`.
-            hands: Checks and runs the steps: the `SkillExecutor`.
+            executor: Checks and runs the steps.
             skills: The skills that steps may call.
             announce: Says a sentence that no turn asked for.
             phrases: Returns the sentences of the current language.
             clock: Measures waits and runs.
             timer: Wakes programs at their time; `Deadlines` by default.
-            senses: The body's battery and way back, for conditions and returns.
+            known: The body's battery and way back, for conditions and returns.
         """
-        self._hands = hands
-        self._permission = Permission(hands, skills, senses, phrases)
+        self._executor = executor
+        self._permission = _Permission(executor, skills, known, phrases)
         self._skills = skills
         self._announce = announce
         self._phrases = phrases
         self._clock = clock
         self._timer = timer = timer or Deadlines("edgevox-programs", clock)
-        self._senses = senses
+        self._known = known
         self._store = ProgramStore(bus, clock, timer, self.in_words)
-        hands.follow(self)
-        self._waits = Waits(self._store, timer, senses, self._fire, self._missed)
+        executor.follow(self)
+        self._waits = Waits(self._store, timer, known, self._fire, self._missed)
 
     def start(self) -> None:
         self._timer.start()
@@ -191,7 +245,7 @@ class Programs:
                 self._store.tell(kept)
                 self._waits.for_battery()
             case When():
-                moving = self._hands.moving
+                moving = self._executor.moving
                 if moving is None:
                     raise SkillFailed(because("nothing_moves"))
                 self._store.tell(kept)
@@ -233,7 +287,7 @@ class Programs:
             make=partial(self._permission.step, kept),
             announce=self._announce,
             phrases=self._phrases,
-            way_back=self._senses.way_back,
+            way_back=self._known.way_back,
             clock=self._clock,
             on_round=partial(self._round, kept),
         )
@@ -244,7 +298,7 @@ class Programs:
         kept.goal = Goal(steps, {}, turn=kept.turn, bus=inside, goal_id=kept.id)
         kept.due_s = None
         self._store.later(kept, LONGEST_RUN_S, partial(self._too_long, kept))
-        self._hands.launch(kept.goal, lambda: self._store.has(kept))
+        self._executor.launch(kept.goal, lambda: self._store.has(kept))
 
     def _round(self, kept: Kept, number: int) -> None:
         kept.round = number

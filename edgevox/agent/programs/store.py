@@ -13,6 +13,7 @@ from typing import Protocol
 
 from edgevox.agent.goals.executor import MAX_CALLS
 from edgevox.agent.goals.goal import Goal
+from edgevox.agent.known import Known
 from edgevox.agent.nlu.orders import (
     After,
     Again,
@@ -24,9 +25,8 @@ from edgevox.agent.nlu.orders import (
     calls_of,
     parts_of,
 )
-from edgevox.agent.programs.senses import Senses
 from edgevox.agent.skills import Skill, SkillFailed
-from edgevox.agent.skills.going import no_way_back
+from edgevox.agent.skills.skill import no_way_back
 from edgevox.agent.text.reasons import because
 from edgevox.core.agent_events import GOAL_ENDS, GoalStatus, ProgramChanged, ProgramStatus
 from edgevox.core.bus import Bus
@@ -81,7 +81,7 @@ LONGEST_RUN_S = 8 * 3600.0
 """Longest run of a program, in seconds."""
 
 
-def check_bounds(program: Program, senses: Senses, skills: Collection[Skill]) -> None:
+def check_bounds(program: Program, known: Known, skills: Collection[Skill]) -> None:
     """Raise `SkillFailed` with the reason for a program that is too large or impossible.
 
     `skills` are all skills of the robot.
@@ -92,20 +92,20 @@ def check_bounds(program: Program, senses: Senses, skills: Collection[Skill]) ->
     if sum(delays_s) > LONGEST_WAIT_S:
         raise SkillFailed(because("program_late", hours=f"{LONGEST_WAIT_S / 3600:g}"))
     for one in parts_of(program):
-        _check_part(one, senses, skills)
+        _check_part(one, known, skills)
 
 
-def _check_part(part: Program, senses: Senses, skills: Collection[Skill]) -> None:
+def _check_part(part: Program, known: Known, skills: Collection[Skill]) -> None:
     match part:
         case Repeat(count=float() | int() as count) if not (
             count == int(count) and 1 <= count <= MAX_TIMES
         ):
             raise SkillFailed(because("program_times", said=f"{count:g}", count=str(MAX_TIMES)))
-        case When(condition=BatteryBelow()) if senses.battery is None:
+        case When(condition=BatteryBelow()) if known.battery is None:
             raise SkillFailed(because("no_battery"))
         case When(condition=BatteryBelow(percent=percent)) if not 0 < percent < 100:
             raise SkillFailed(because("program_percent", said=f"{percent:g}"))
-        case Return() if senses.way_back() is None:
+        case Return() if known.way_back() is None:
             raise SkillFailed(no_way_back(skills))
         case Again():
             raise SkillFailed(because("nothing_before"))
@@ -220,13 +220,13 @@ class Waits:
         self,
         store: ProgramStore,
         timer: Timer,
-        senses: Senses,
+        known: Known,
         met: Callable[[Kept], None],
         missed: Callable[[Kept], None],
     ) -> None:
         self._store = store
         self._timer = timer
-        self._senses = senses
+        self._known = known
         self._met = met
         self._missed = missed
         self._lock = threading.Lock()
@@ -263,7 +263,7 @@ class Waits:
 
     def _look(self) -> None:
         """Look at the battery once, on the timer's thread."""
-        charge = self._senses.battery() if self._senses.battery else None
+        charge = self._known.battery() if self._known.battery else None
         waiting = [kept for kept in self._store.all if _percent(kept) is not None]
         low = [kept for kept in waiting if charge is not None and _is_below(charge, kept)]
         with self._lock:

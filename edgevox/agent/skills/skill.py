@@ -26,8 +26,10 @@ from edgevox.agent.skills.arguments import (
 )
 from edgevox.agent.skills.choices import NewName, OneOf, OwnName
 from edgevox.agent.skills.failures import SkillFailed, UnknownSkill, reason_of
+from edgevox.agent.text.reasons import because
 from edgevox.core.cancel import CancelToken
 from edgevox.core.errors import InvalidValue
+from edgevox.core.reason import Reason
 
 Result = Mapping[str, Any]
 D = TypeVar("D")
@@ -86,6 +88,8 @@ class SkillPhrases:
     """The action as the end of a question, with the arguments; the first that fits counts."""
     templates: tuple[str, ...] = ()
     """Templates of the sentences that call the skill."""
+    asks: tuple[str, ...] = ()
+    """Templates of the sentences that may call the skill, so that the robot asks first."""
     says: tuple[str, ...] = ()
     """Acknowledgements; the first whose values are all known counts."""
     done: tuple[str, ...] = ()
@@ -141,6 +145,8 @@ class Skill:
     it in different ways. A language without that entry uses the one with the skill's name."""
     confirm: bool = False
     """True if it always needs a yes, as if the policy wanted that."""
+    plainly: bool = False
+    """True if only its templates ask for it: no other words are read as it."""
 
     @property
     def drives(self) -> bool:
@@ -219,6 +225,7 @@ def skill(
     towards_rad: float = 0.0,
     lasting: bool = False,
     entry: str = "",
+    plainly: bool = False,
 ) -> Callable[[Callable[..., Result | None]], Skill]:
     """Turn a function into a `Skill`; see the module's docstring."""
 
@@ -240,6 +247,7 @@ def skill(
             towards_rad=towards_rad,
             lasting=lasting,
             entry=entry,
+            plainly=plainly,
         )
 
     return decorate
@@ -296,6 +304,25 @@ class Call:
 
     skill: str
     arguments: Mapping[str, Any] = field(default_factory=dict)
+
+
+TO_POINT = "navigate_xy"
+"""The skill that drives to where a body was."""
+_TO_PLACE = "navigate_to"
+
+
+def no_way_back(skills: Iterable[Skill]) -> Reason:
+    """The reason why a robot cannot go back; another one if it cannot drive at all."""
+    return because("cannot_go_back") if _goes(skills) else because("cannot_drive")
+
+
+def no_further(skills: Iterable[Skill]) -> Reason:
+    """The reason why a motion cannot go on further; another one if the robot cannot drive."""
+    return because("not_relative") if _goes(skills) else because("has_no_further")
+
+
+def _goes(skills: Iterable[Skill]) -> bool:
+    return any(one.relative or one.name in (TO_POINT, _TO_PLACE) for one in skills)
 
 
 __all__ = [

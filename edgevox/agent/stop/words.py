@@ -1,7 +1,9 @@
 """The search for stop words in an utterance; a stop word halts the robot without any model.
 
-Stop words of the spoken language and of English count anywhere in the utterance. Stop words of the
-other languages count only alone or first, and not if the spoken language uses the same word.
+Of the spoken language and of English, `anywhere` words count in any utterance, `last` and `alone`
+words only at the end of a clause or alone in it, and none in an innocent phrase ("the bus stop").
+Stop words of the other languages count only alone or first, and not if the spoken language uses the
+same word. `[stop]` of `core/languages/*.toml` has the words, `stopping` acts on them.
 """
 
 from collections import defaultdict

@@ -12,12 +12,11 @@ from pathlib import Path
 from edgevox import __version__
 from edgevox.agent.agents import Agent
 from edgevox.agent.conversation import Conversation
-from edgevox.agent.dialogue.known import NOTHING_KNOWN
+from edgevox.agent.known import NOTHING_KNOWN
+from edgevox.agent.llm.chat.prompt import PromptPrefill
 from edgevox.agent.llm.language_model import LanguageModel, ModelFailed
-from edgevox.agent.llm.prefill import PromptPrefill
 from edgevox.agent.llm.status import LlmComponent
 from edgevox.agent.policy.status import PolicyComponent
-from edgevox.agent.programs.senses import NO_SENSES
 from edgevox.agent.text.reasons import because
 from edgevox.apps.agent.models import (
     find_weights,
@@ -62,7 +61,6 @@ from edgevox.ops.machine import DiskComponent, ProcessComponent
 from edgevox.robots.capabilities import Body, HasPicture, HasPose
 from edgevox.robots.facts import known_of
 from edgevox.robots.flat.viewer import Viewer, has_display
-from edgevox.robots.program_senses import senses_of
 from edgevox.robots.sim_loop import SimComponent
 from edgevox.ros2 import BridgeContext, open_bridge
 from edgevox.voice.status import AudioComponent, SttComponent, TtsComponent
@@ -156,7 +154,6 @@ def build_parts(stack: ExitStack, settings: Settings, body: Body | None) -> Agen
         decider=open_decider(),
         phonemes=open_phonemes() if voice else None,
         known=known_of(body) if body else NOTHING_KNOWN,
-        senses=senses_of(body) if body else NO_SENSES,
     )
     bus.subscribe(ControlChanged, lambda change: _follow(conversation, change))
     software_stop = SoftwareStop(interlock, bus, conversation.stop, because("software_stop"))

@@ -7,8 +7,7 @@ phonemes of espeak-ng, if it is installed.
 import struct
 from pathlib import Path
 
-from edgevox.agent.llm.absent import AbsentModel
-from edgevox.agent.llm.language_model import LanguageModel
+from edgevox.agent.llm.language_model import AbsentModel, LanguageModel
 from edgevox.agent.nlu.decider import Decider
 from edgevox.agent.nlu.encoder.encoder import ENCODER
 from edgevox.agent.nlu.hearing.sounds import Phonemes
@@ -84,9 +83,11 @@ def _beside_server(settings: Settings, on_board: LanguageModel | None) -> Langua
         settings.llm_endpoint_model,
         settings.llm_endpoint_timeout,
         settings.llm_endpoint_key_file,
-        settings.llm_endpoint_grammar,
     )
-    return FallbackModel(EndpointModel(server, context_tokens=settings.llm_context), on_board)
+    shared = EndpointModel(
+        server, dialect=settings.llm_endpoint_grammar, context_tokens=settings.llm_context
+    )
+    return FallbackModel(shared, on_board)
 
 
 def _load(settings: Settings, weights: Path) -> LanguageModel:

@@ -36,9 +36,9 @@ from edgevox.voice.sinks.tapped import TappedSink
 from edgevox.voice.sources.open_source import ROS2, WavFiles, open_source
 from edgevox.voice.sources.pushed import Pushed
 from edgevox.voice.speech_output import SpeechOutput
-from edgevox.voice.stop.detector import StopDetector
-from edgevox.voice.stop.network import ENCODER
-from edgevox.voice.stop.spotter import open_stop_spotter
+from edgevox.voice.stop_spotter.detector import StopDetector
+from edgevox.voice.stop_spotter.network import ENCODER
+from edgevox.voice.stop_spotter.spotter import open_stop_spotter
 from edgevox.voice.stt.kept import MOST_BYTES, MOST_UTTERANCES, KeepingSpeechToText, KeptAudio
 from edgevox.voice.stt.speech_to_text import SpeechToText, WatchedSpeechToText
 from edgevox.voice.stt.whisper import Whisper

@@ -14,7 +14,7 @@ from edgevox.agent.policy import Guard, PolicyContext, Rule
 from edgevox.agent.policy.limits import PLACES, PolicyLimits
 from edgevox.agent.skills import STOP, Skill
 from edgevox.agent.skills.failures import SkillFailed, WrongArgument, reason_of
-from edgevox.agent.skills.going import TO_POINT
+from edgevox.agent.skills.skill import TO_POINT
 from edgevox.apps.agent.parts import AgentParts
 from edgevox.apps.console.robot_recorder import NoRecorder, RobotRecorder
 from edgevox.apps.console.shown_robot import ShownRobot

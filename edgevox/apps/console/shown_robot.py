@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from edgevox.agent.policy import Guard
 from edgevox.agent.skills import SkillFailed
-from edgevox.agent.skills.going import TO_POINT
+from edgevox.agent.skills.skill import TO_POINT
 from edgevox.core.commands import Way
 from edgevox.core.errors import InvalidValue
 from edgevox.core.log import get_logger

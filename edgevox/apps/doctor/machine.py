@@ -12,6 +12,7 @@ import tempfile
 import time
 from pathlib import Path
 
+from edgevox import __version__
 from edgevox.agent.llm import weights
 from edgevox.agent.llm.factory import XLLAMACPP_NEEDS, missing_features
 from edgevox.agent.llm.weights import needed_bytes, read_memory
@@ -91,6 +92,7 @@ _BUILT_S = 1_704_067_200.0  # 2024: a clock before that was never set
 def probe_python(_: Situation) -> Facts:
     """The interpreter and the system."""
     return {
+        "edgevox": __version__,
         "version": list(sys.version_info[:3]),
         "system": platform.system(),
         "release": platform.release(),
@@ -101,7 +103,8 @@ def probe_python(_: Situation) -> Facts:
 def judge_python(facts: Facts, _: Situation) -> CheckVerdict:
     """Judge the Python version by the packages' builds."""
     version = ".".join(map(str, facts["version"]))
-    found = f"Python {version} on {facts['system']} {facts['release']}, {facts['machine']}"
+    system = f"{facts['system']} {facts['release']}, {facts['machine']}"
+    found = f"EdgeVox {facts['edgevox']} with Python {version} on {system}"
     if tuple(facts["version"][:2]) not in PYTHONS:
         return error(found, "use Python 3.11, 3.12 or 3.13: make PYTHON=python3.12 ...")
     if facts["system"] != "Linux":

@@ -7,10 +7,8 @@ from importlib.metadata import EntryPoint
 from pathlib import Path
 from typing import TypeVar
 
-from edgevox.agent.policy.explain import explain
-from edgevox.agent.policy.file import PolicyFile, read_policy_file
-from edgevox.agent.policy.policy import local_time
-from edgevox.agent.policy.status import NO_FILE, unknown_names
+from edgevox.agent.policy.policy import PolicyFile, local_time, read_policy_file
+from edgevox.agent.policy.status import NO_FILE, explain, unknown_names
 from edgevox.apps.agent.policy import known_names, policy_context
 from edgevox.apps.doctor.check import CheckVerdict, Facts, Situation, error, ok, skipped, warning
 from edgevox.apps.doctor.security import NOT_WITH_SECURITY, is_secured

@@ -111,7 +111,7 @@ def judge_spotter(facts: Facts, situation: Situation) -> CheckVerdict:
 def probe_spotter() -> Facts:
     """Find out whether the stop word spotter's model is here."""
     from edgevox.models import ModelMissing, locate
-    from edgevox.voice.stop.network import ENCODER
+    from edgevox.voice.stop_spotter.network import ENCODER
 
     missing = ""
     try:

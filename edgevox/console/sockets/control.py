@@ -11,13 +11,13 @@ from typing import Any
 
 from aiohttp import WSMsgType, web
 
-from edgevox.console import page_messages
 from edgevox.console.context import ConsoleContext, ConsoleRecorder
 from edgevox.console.limits import BadRequest, BadRequests, PageRateLimit
 from edgevox.console.outbox import Outbox
 from edgevox.console.page_hub import FLOOD, SLOW, PageHub, encode
-from edgevox.console.page_messages import Message
 from edgevox.console.sessions import Role, Session
+from edgevox.console.sockets import messages
+from edgevox.console.sockets.messages import Message
 from edgevox.core.clock import Clock
 from edgevox.core.commands import Command, RunSkill, TextInput, Way
 from edgevox.core.errors import EdgeVoxError, InvalidValue
@@ -38,15 +38,15 @@ def command_of(context: ConsoleContext, session: Session, message: Message) -> C
     """
     way = session.role.way
     match message:
-        case page_messages.Text(text=text):
+        case messages.Text(text=text):
             return TextInput(text, way)
-        case page_messages.CallSkill(name=name, arguments=arguments):
+        case messages.CallSkill(name=name, arguments=arguments):
             return RunSkill(name, arguments, way)
-        case page_messages.GoTo(x=x, y=y):
+        case messages.GoTo(x=x, y=y):
             if not context.go_to:
                 raise NotHere("goto: this robot goes nowhere")
             return context.go_to(x, y)
-        case page_messages.NamePlace(name=name, x=x, y=y):
+        case messages.NamePlace(name=name, x=x, y=y):
             if not context.name_place:
                 raise NotHere("name_place: this robot keeps no places")
             return context.name_place(name, x, y)
@@ -62,11 +62,11 @@ def act(context: ConsoleContext, session: Session, message: Message, mark: int) 
         context.submit(command, mark)
         return
     match message:
-        case page_messages.YesOrNo(yes=yes):
+        case messages.YesOrNo(yes=yes):
             _answer(context, yes, session.role.way, mark)
-        case page_messages.SetControl(name=name, value=value):
+        case messages.SetControl(name=name, value=value):
             context.controls.change({name: value})
-        case page_messages.Record() | page_messages.DeleteRecording():
+        case messages.Record() | messages.DeleteRecording():
             _record(context, session, message)
 
 
@@ -79,7 +79,7 @@ def _answer(context: ConsoleContext, yes: bool, way: Way, mark: int) -> None:
 def _record(
     context: ConsoleContext,
     session: Session,
-    message: page_messages.Record | page_messages.DeleteRecording,
+    message: messages.Record | messages.DeleteRecording,
 ) -> None:
     """Start, stop or delete a recording.
 
@@ -88,11 +88,11 @@ def _record(
     recorder = _recorder(context)
     action, name = "delete", ""
     match message:
-        case page_messages.Record(action="start" as action):
+        case messages.Record(action="start" as action):
             recorder.start()
-        case page_messages.Record(action=action):
+        case messages.Record(action=action):
             recorder.stop()
-        case page_messages.DeleteRecording(name=name):
+        case messages.DeleteRecording(name=name):
             recorder.delete(name)
     log.info("console_recording_asked", session=session.id, action=action, name=name)
 
@@ -244,13 +244,13 @@ class ControlPage:
 
     def _read(self, text: str) -> None:
         try:
-            message = page_messages.read(text)
+            message = messages.read(text)
         except InvalidValue as error:
             self._limits.bad.count(BadRequest.MESSAGE)
             if self._is_within(self._limits.flood):
                 self._refuse(None, "invalid", str(error), error)
             return
-        if isinstance(message, page_messages.Stop):
+        if isinstance(message, messages.Stop):
             self._stop(message)
             stops = True
         elif stops := self._stops(message):
@@ -261,31 +261,31 @@ class ControlPage:
 
     def _take(self, message: Message) -> bool:
         """Return whether the message is done; otherwise it waits in line."""
-        releases = isinstance(message, page_messages.Drive) and message.releases
+        releases = isinstance(message, messages.Drive) and message.releases
         if releases and self._hub.driving:
             self._hub.driving.release(self)
             return True
-        asks = not isinstance(message, page_messages.Ping | page_messages.Look)
+        asks = not isinstance(message, messages.Ping | messages.Look)
         if asks and not self._limits.commands.allows(self.session.id):
             raise NotPermitted("rate", f"at most {PER_S:g} commands a second")
         self._authorise(message)
         match message:
-            case page_messages.Ping(t=t):
+            case messages.Ping(t=t):
                 self._say({"type": "pong", "t": t})
-            case page_messages.Look(what=what):
+            case messages.Look(what=what):
                 self.looks = frozenset(what)
-            case page_messages.ChangeLease():
+            case messages.ChangeLease():
                 self._lease(message)
-            case page_messages.Drive(linear=linear, angular=angular):
+            case messages.Drive(linear=linear, angular=angular):
                 self._drive(linear, angular)
-            case page_messages.Resume():  # not in line: it must not undo a stop that came after it
+            case messages.Resume():  # not in line: it must not undo a stop that came after it
                 self._hub.context.safety.resume(self.session.name)
             case _:
                 self._wait(message)
                 return False
         return True
 
-    def _stop(self, message: page_messages.Stop) -> None:
+    def _stop(self, message: messages.Stop) -> None:
         try:
             self._hub.stop(self.session.name)
         except Exception as error:
@@ -320,7 +320,7 @@ class ControlPage:
                 raise NotPermitted("no_lease", "another commands, or nobody: take the turn")
             self._hub.lease.used(self.session.id)
 
-    def _lease(self, message: page_messages.ChangeLease) -> None:
+    def _lease(self, message: messages.ChangeLease) -> None:
         lease, client = self._hub.lease, self.session.id
         done = True
         if message.action == "take":
@@ -374,7 +374,7 @@ class ControlPage:
 
     def _answer(self, message: Message, done: Callable[[], bool]) -> None:
         try:
-            if done() and not isinstance(message, page_messages.Ping):
+            if done() and not isinstance(message, messages.Ping):
                 self._say({"type": "ok", "reply_to": message.id})
         except (NotPermitted, EdgeVoxError) as error:
             self._tell_refusal(message.id, error)
@@ -413,7 +413,7 @@ class ControlPage:
         hello = {
             **told,
             "type": "hello",
-            "protocol": page_messages.PROTOCOL,
+            "protocol": messages.PROTOCOL,
             "robot": hub.context.name,
             "role": str(self.session.role),
             "client": self.session.id,

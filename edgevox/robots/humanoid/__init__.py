@@ -1,6 +1,6 @@
 """`robot-humanoid`: a robot on two legs in MuJoCo, in physics with a walking policy or without one.
 
-Imports core, agent.skills, agent.reasons and the robots' shared parts. What outsiders need is
+Imports core, agent.skills, agent.text and the robots' shared parts. What outsiders need is
 named here.
 """
 

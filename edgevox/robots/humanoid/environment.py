@@ -16,7 +16,7 @@ from edgevox.robots.humanoid.physics_walker import PhysicsWalker, fit_servos
 from edgevox.robots.humanoid.scene import HEAD_CAMERA, compile_robot, read_robot
 from edgevox.robots.humanoid.walker import Walker, WalkerLimits
 from edgevox.robots.humanoid.walking_policy import STAND, WalkingCommand, WalkingPolicy
-from edgevox.robots.mujoco.snapshot import Snapshot
+from edgevox.robots.mujoco.renderer import Snapshot
 
 RISE_M_S2 = 1.0
 RISE_RAD_S2 = 2.0

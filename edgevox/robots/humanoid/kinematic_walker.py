@@ -8,7 +8,6 @@ import mujoco
 import numpy as np
 
 from edgevox.core.transforms import Pose2D, rotate
-from edgevox.robots.humanoid.floating_base import FloatingBase
 from edgevox.robots.humanoid.gait import (
     AHEAD_S,
     BEND_RAD,
@@ -22,7 +21,7 @@ from edgevox.robots.humanoid.gait import (
     ahead,
     find_limbs,
 )
-from edgevox.robots.humanoid.walker import PERIOD_S, WalkerLimits
+from edgevox.robots.humanoid.walker import PERIOD_S, FloatingBase, WalkerLimits
 from edgevox.robots.humanoid.walking_policy import STAND, WalkingCommand
 
 CROUCH = 0.06

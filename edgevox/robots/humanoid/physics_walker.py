@@ -8,8 +8,7 @@ import numpy as np
 
 from edgevox.core.errors import InvalidValue
 from edgevox.core.transforms import Pose2D
-from edgevox.robots.humanoid.floating_base import FloatingBase
-from edgevox.robots.humanoid.walker import WalkerLimits
+from edgevox.robots.humanoid.walker import FloatingBase, WalkerLimits
 from edgevox.robots.humanoid.walking_policy import (
     STAND,
     Observation,

@@ -8,7 +8,7 @@ import mujoco
 
 from edgevox.core.clock import Clock
 from edgevox.core.log import get_logger
-from edgevox.robots.mujoco.snapshot import Snapshot
+from edgevox.robots.mujoco.renderer import Snapshot
 from edgevox.robots.sim_loop import SimLoop, SteppedBySimLoop
 
 log = get_logger(__name__)

@@ -1,6 +1,6 @@
 """`robot-panda`: a Franka Panda at a table with three cubes and two bins, simulated with MuJoCo.
 
-Imports core, agent.skills, agent.reasons and the robots' shared parts. The robot's model comes in
+Imports core, agent.skills, agent.text and the robots' shared parts. The robot's model comes in
 as a path.
 """
 

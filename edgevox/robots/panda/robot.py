@@ -15,14 +15,11 @@ from edgevox.core.errors import finite
 from edgevox.core.reason import Reason
 from edgevox.core.transforms import Pose3D
 from edgevox.robots.capabilities import CameraImage, CameraSpec, Report
-from edgevox.robots.mujoco.cameras import PICTURE_PX
-from edgevox.robots.mujoco.renderer import Renderer
-from edgevox.robots.panda import tasks
-from edgevox.robots.panda import things as seen
-from edgevox.robots.panda.facts import table_facts
+from edgevox.robots.mujoco.renderer import PICTURE_PX, Renderer
+from edgevox.robots.panda import table, tasks
 from edgevox.robots.panda.planner import InTheWay, OutOfReach
 from edgevox.robots.panda.scene import CAMERA, SHOW, TCP
-from edgevox.robots.panda.skills import manipulation_skills
+from edgevox.robots.panda.skills import manipulation_skills, table_facts
 from edgevox.robots.panda.workcell import Workcell
 from edgevox.robots.sim_loop import SimulatedBody
 
@@ -170,7 +167,7 @@ class PandaRobot(SimulatedBody):
     def describe_objects(self) -> dict[str, Any]:
         """Every object and where it is."""
         things, held = self._cell.things(), self._cell.arm.hand.held
-        places = {name: seen.where(name, things, held) for name in things}
+        places = {name: table.where(name, things, held) for name in things}
         return {
             "objects": {name: {**_point(things[name]), "on": places[name]} for name in things},
             "count": len(things),
@@ -227,7 +224,7 @@ class PandaRobot(SimulatedBody):
             tasks.home(self._cell, task)
 
 
-def _point(one: seen.Placed) -> dict[str, float]:
+def _point(one: table.Placed) -> dict[str, float]:
     return {"x": round(one.x_m, 4), "y": round(one.y_m, 4), "z": round(one.z_m, 4)}
 
 

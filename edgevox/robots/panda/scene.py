@@ -5,9 +5,9 @@ from pathlib import Path
 import mujoco
 
 from edgevox.core.errors import InvalidValue
-from edgevox.robots.mujoco.cameras import RoomCamera
-from edgevox.robots.panda import layout
-from edgevox.robots.panda.layout import BINS, CUBES, Bin, Cube
+from edgevox.robots.mujoco.renderer import RoomCamera
+from edgevox.robots.panda import table
+from edgevox.robots.panda.table import BINS, CUBES, Bin, Cube
 
 STEP_S = 0.002
 TCP = "tcp"
@@ -92,7 +92,7 @@ def _room(spec: mujoco.MjSpec) -> None:
         name="floor",
         type=mujoco.mjtGeom.mjGEOM_PLANE,
         size=[4.0, 4.0, 0.1],
-        pos=[0.0, 0.0, -layout.TABLE_HEIGHT_M],
+        pos=[0.0, 0.0, -table.TABLE_HEIGHT_M],
         material="tiles",
     )
     for light in list(spec.lights):
@@ -113,20 +113,20 @@ def _room(spec: mujoco.MjSpec) -> None:
 
 def _table(spec: mujoco.MjSpec) -> None:
     world = spec.worldbody
-    near, far = layout.TABLE_X_M
+    near, far = table.TABLE_X_M
     middle, half = (near + far) / 2, (far - near) / 2
     thickness = 0.04
     world.add_geom(
         name="table",
         type=_BOX,
-        size=[half, layout.TABLE_HALF_WIDTH_M, thickness / 2],
+        size=[half, table.TABLE_HALF_WIDTH_M, thickness / 2],
         pos=[middle, 0.0, -thickness / 2],
         friction=_FRICTION,
         rgba=_WOOD,
     )
-    leg = (layout.TABLE_HEIGHT_M - thickness) / 2
+    leg = (table.TABLE_HEIGHT_M - thickness) / 2
     for x in (near + 0.06, far - 0.06):
-        for y in (-layout.TABLE_HALF_WIDTH_M + 0.06, layout.TABLE_HALF_WIDTH_M - 0.06):
+        for y in (-table.TABLE_HALF_WIDTH_M + 0.06, table.TABLE_HALF_WIDTH_M - 0.06):
             world.add_geom(
                 type=_BOX,
                 size=[0.03, 0.03, leg],
@@ -149,14 +149,14 @@ def _bin(spec: mujoco.MjSpec, one: Bin) -> None:
 
 
 def _cube(spec: mujoco.MjSpec, cube: Cube) -> None:
-    half = layout.CUBE_SIZE_M / 2
+    half = table.CUBE_SIZE_M / 2
     body = spec.worldbody.add_body(name=cube.name, pos=[*cube.start, half])
     body.add_freejoint(name=cube.name)
     body.add_geom(
         name=cube.name,
         type=_BOX,
         size=[half] * 3,
-        mass=layout.CUBE_MASS_KG,
+        mass=table.CUBE_MASS_KG,
         friction=_FRICTION,
         condim=4,
         rgba=cube.rgba,

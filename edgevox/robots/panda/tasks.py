@@ -10,14 +10,21 @@ from edgevox.agent.skills import SkillFailed
 from edgevox.agent.text.reasons import because
 from edgevox.core.reason import Reason
 from edgevox.core.transforms import rotate
-from edgevox.robots.panda import things as seen
+from edgevox.robots.panda import table
 from edgevox.robots.panda.arm import FINGERS, OPEN_M
-from edgevox.robots.panda.collisions import Touch, touch
 from edgevox.robots.panda.kinematics import READY, HandPose, Joints
-from edgevox.robots.panda.layout import BINS, CUBE_SIZE_M, CUBES, TABLE
 from edgevox.robots.panda.motion import BRISK, CAREFUL, Task
-from edgevox.robots.panda.planner import NOTHING, ArmSegment, InTheWay, OutOfReach, above, spoken
-from edgevox.robots.panda.things import Placed
+from edgevox.robots.panda.planner import (
+    NOTHING,
+    ArmSegment,
+    InTheWay,
+    OutOfReach,
+    Touch,
+    above,
+    spoken,
+    touch,
+)
+from edgevox.robots.panda.table import BINS, CUBE_SIZE_M, CUBES, TABLE, Placed
 from edgevox.robots.panda.workcell import Workcell
 
 PICK_MOTIONS = 6
@@ -54,7 +61,7 @@ def place(cell: Workcell, task: Task, name: str, target: str) -> None:
     task.phase = "drawing back"
     cell.move(task, above(hand, hand.z_m + _ABOVE_M), CAREFUL, allowed=touches)
     cell.rest(task, _SETTLE_S)
-    there = seen.where(name, cell.things(), None)
+    there = table.where(name, cell.things(), None)
     if there != target:
         raise SkillFailed(because("not_stayed", thing=spoken(name), place=spoken(there)))
 
@@ -93,9 +100,9 @@ def check_pick(cell: Workcell, name: str) -> None:
         raise SkillFailed(because("held_already", thing=spoken(name)))
     if held is not None:
         raise SkillFailed(because("hand_full", thing=spoken(held)))
-    if seen.where(name, things, held) == seen.FLOOR:
+    if table.where(name, things, held) == table.FLOOR:
         raise SkillFailed(because("out_of_reach", thing=spoken(name)))
-    upper = seen.on_top(name, things)
+    upper = table.on_top(name, things)
     if upper is not None:
         raise SkillFailed(because("stands_on", upper=spoken(upper), thing=spoken(name)))
 
@@ -108,10 +115,10 @@ def spot_for(cell: Workcell, name: str, target: str) -> Placed:
     if target in CUBES:
         return _spot_on(cell, name, target)
     if target == TABLE:
-        spot = seen.free_table(name, things, CUBES[name].start)
+        spot = table.free_table(name, things, CUBES[name].start)
         floor_m = 0.0
     else:
-        spot, floor_m = seen.free_spot(name, BINS[target], things), BINS[target].floor_m
+        spot, floor_m = table.free_spot(name, BINS[target], things), BINS[target].floor_m
     if spot is None:
         raise SkillFailed(because("no_room", place=spoken(target)))
     return Placed(*spot, floor_m + half)
@@ -119,8 +126,8 @@ def spot_for(cell: Workcell, name: str, target: str) -> Placed:
 
 def _spot_on(cell: Workcell, name: str, target: str) -> Placed:
     things = cell.things()
-    lower, upper = things[target], seen.on_top(target, things)
-    if seen.where(target, things, None) == seen.FLOOR:
+    lower, upper = things[target], table.on_top(target, things)
+    if table.where(target, things, None) == table.FLOOR:
         raise SkillFailed(because("fell_off", thing=spoken(target)))
     if upper not in (None, name):
         raise SkillFailed(because("occupied", thing=spoken(target), upper=spoken(upper)))

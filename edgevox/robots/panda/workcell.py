@@ -17,14 +17,13 @@ from edgevox.core.transforms import Pose2D, lift
 from edgevox.robots.capabilities import Report
 from edgevox.robots.command_mux import CommandMux
 from edgevox.robots.mujoco.engine import MujocoEngine
-from edgevox.robots.panda import layout
+from edgevox.robots.panda import table
 from edgevox.robots.panda.arm import Arm
-from edgevox.robots.panda.collisions import Touch
 from edgevox.robots.panda.kinematics import HandPose, Joints
 from edgevox.robots.panda.motion import ArmMotion, Pace, Task
-from edgevox.robots.panda.planner import NOTHING, ArmPlanner, ArmSegment
+from edgevox.robots.panda.planner import NOTHING, ArmPlanner, ArmSegment, Touch
 from edgevox.robots.panda.scene import LEAD_S, TCP, build
-from edgevox.robots.panda.things import Placed, Things
+from edgevox.robots.panda.table import Placed, Things
 from edgevox.robots.sim_loop import BROKE
 
 PERIOD_S = 0.02
@@ -57,7 +56,7 @@ class Workcell:
         self.engine = MujocoEngine(model, period_s=PERIOD_S, speed=speed, clock=clock, name=name)
         self.arm = Arm(model, self.engine.data)
         self.planner = ArmPlanner(model, model_path, period_s=PERIOD_S, lead_s=LEAD_S)
-        self.starts = layout.places(seed)
+        self.starts = table.places(seed)
         self._mux: CommandMux[Task] = CommandMux(self.engine.lock, on_halt=self._freeze)
         self._build()
 
@@ -183,7 +182,7 @@ class Workcell:
     def things(self) -> Things:
         """Return the cubes' places."""
         with self.engine.lock:
-            return {name: self._placed(name) for name in layout.CUBES}
+            return {name: self._placed(name) for name in table.CUBES}
 
     def hand_m(self) -> NDArray[np.float64]:
         """(3,) metres: the point between the fingertips."""
@@ -221,7 +220,7 @@ class Workcell:
         self.arm.put()
         for name, start in self.starts.items():
             place = data.joint(name).qpos
-            place[:3] = start.x_m, start.y_m, layout.CUBE_SIZE_M / 2
+            place[:3] = start.x_m, start.y_m, table.CUBE_SIZE_M / 2
             turned = lift(Pose2D(0.0, 0.0, start.yaw_rad))
             place[3:] = turned.qw, turned.qx, turned.qy, turned.qz
         mujoco.mj_forward(model, data)

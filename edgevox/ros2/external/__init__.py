@@ -1,6 +1,6 @@
 """A body that lives on ROS 2: any robot that speaks the contract's `external_robot` topics.
 
-Imports core, agent.skills, agent.reasons, robots and ros2 of edgevox. Only `EXTERNAL` is for
+Imports core, agent.skills, agent.text, robots and ros2 of edgevox. Only `EXTERNAL` is for
 others; rclpy is imported when its body is built.
 """
 

@@ -43,10 +43,10 @@ from edgevox.ros2.external.motion import (
 from edgevox.ros2.external.navigation import (
     ExternalMotion,
     ExternalNavigation,
+    ExternalRelativeMotion,
     LocalisationCheck,
     ZeroVelocity,
 )
-from edgevox.ros2.external.relative import ExternalRelativeMotion
 from edgevox.ros2.external.robot_node import RobotNode
 from edgevox.ros2.external.settings import FURTHEST_M, ExternalSettings, SteeringLimits
 from edgevox.ros2.node import RosNode

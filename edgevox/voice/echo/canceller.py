@@ -32,7 +32,7 @@ from edgevox.voice.audio import FRAME_S, FRAME_SAMPLES, FULL_SCALE, RATE_HZ, Fra
 from edgevox.voice.echo.filter import AdaptiveFilter, Sound
 from edgevox.voice.echo.gate import EchoFilter, EchoGate, EchoLoss, Unechoed
 from edgevox.voice.echo.played import PlayedSound
-from edgevox.voice.endpoint import VOICED
+from edgevox.voice.utterance_end import VOICED
 from edgevox.voice.vad import VoiceDetector
 
 log = get_logger(__name__)

@@ -12,7 +12,7 @@ from collections.abc import Iterable
 from difflib import SequenceMatcher
 from enum import Enum, auto
 
-from edgevox.voice.endpoint import SpeechEnded, SpeechPaused
+from edgevox.voice.utterance_end import SpeechEnded, SpeechPaused
 
 ALIKE = 0.6
 """The likeness, 0 to 1, from which words are the phrase: "Hey, Darvie's" is meant for "hey

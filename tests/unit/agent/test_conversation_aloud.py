@@ -7,7 +7,7 @@ from support.clock import HeldClock
 from edgevox.agent.agents import Agent
 from edgevox.agent.conversation import Conversation
 from edgevox.agent.llm.chat.grammar import SAY
-from edgevox.agent.llm.chat.history import CUT_MARK
+from edgevox.agent.llm.chat.prompt import CUT_MARK
 from edgevox.agent.skills import SkillSet, skill
 from edgevox.core.bus import Bus
 from edgevox.core.cancel import Cancelled

@@ -7,8 +7,8 @@ from support.bodies import BODIES, FACTS, say_it
 
 from edgevox.agent.agents import Agent
 from edgevox.agent.dialogue.facts import OF_DIALOGUE
-from edgevox.agent.dialogue.known import Known
 from edgevox.agent.dialogue.skills import ALSO, DIALOGUE_SKILLS, REFERENCES, DialogueSkills
+from edgevox.agent.known import Known
 from edgevox.agent.llm.chat.calls import Protocol
 from edgevox.agent.nlu.templates import Recogniser, Understood
 from edgevox.agent.phrases.load import ENGLISH, phrasebook

@@ -22,7 +22,6 @@ from edgevox.agent.llm import factory, weights
 from edgevox.agent.llm.chat.grammar import SAY
 from edgevox.agent.llm.language_model import ModelFailed
 from edgevox.agent.llm.remote import Address, EndpointModel, FallbackModel
-from edgevox.agent.llm.remote.fallback import FIRST_REST_S, Breaker
 from edgevox.apps.agent.build import build_parts, start_parts
 from edgevox.apps.agent.queries import deafness
 from edgevox.apps.robots import build_body
@@ -31,6 +30,7 @@ from edgevox.core.commands import TextInput
 from edgevox.core.controls import Controls
 from edgevox.core.errors import EdgeVoxError, InvalidValue
 from edgevox.core.events import Responded
+from edgevox.core.servers.health import FIRST_REST_S, Breaker
 from edgevox.core.settings import load_settings
 from edgevox.core.status import Level
 from edgevox.voice.stt.speech_to_text import TELL_EVERY_S, Transcript, WatchedSpeechToText

@@ -8,8 +8,8 @@ import pytest
 from llm_server import CHAT, GOOD, ROOMS, Reply, ask, serving
 
 from edgevox.agent.llm.remote import Address
-from edgevox.agent.llm.remote.server_errors import Unusable
 from edgevox.core.cancel import CancelToken
+from edgevox.core.servers.errors import Unusable
 from edgevox.core.settings import GrammarDialect
 
 

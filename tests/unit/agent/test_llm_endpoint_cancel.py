@@ -7,8 +7,8 @@ import pytest
 from guards import HUNG_S
 from llm_server import CHAT, GOOD, Reply, ask, never, serving
 
-from edgevox.agent.llm.language_model import ModelFailed
 from edgevox.core.cancel import CancelToken
+from edgevox.core.servers.errors import ServerFailed
 
 
 def test_cancelling_ends_the_answer_within_a_token_and_tells_the_server() -> None:
@@ -74,10 +74,10 @@ def test_closing_ends_an_answer_and_later_ones_are_refused() -> None:
         model = server.model()
         closer = threading.Timer(0.2, model.close)
         closer.start()
-        with pytest.raises(ModelFailed, match="closed"):
+        with pytest.raises(ServerFailed, match="closed"):
             ask(model)
         closer.join()
-        with pytest.raises(ModelFailed, match="closed"):
+        with pytest.raises(ServerFailed, match="closed"):
             ask(model)
 
 

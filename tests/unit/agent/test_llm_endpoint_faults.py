@@ -8,15 +8,22 @@ import pytest
 from guards import HUNG_S
 from llm_server import CHAT, GOOD, ROOMS, Chat, Reply, ask, failing, good, never, serving
 
-from edgevox.agent.llm.language_model import ModelBusy, ModelFailed
+from edgevox.agent.llm.language_model import ModelFailed
 from edgevox.agent.llm.remote import Address, EndpointModel
-from edgevox.agent.llm.remote.server_errors import RequestRefused, Unreachable, Unusable
 from edgevox.core.cancel import CancelToken
+from edgevox.core.servers.errors import (
+    OddAnswer,
+    RequestRefused,
+    ServerBusy,
+    ServerFailed,
+    Unreachable,
+    Unusable,
+)
 
 
 @pytest.mark.parametrize("pieces", [("Sure! go kitchen!",), ("go ", "moon!"), ("",), ()])
 def test_an_answer_that_leaves_the_grammar_does_not_come_through(pieces) -> None:
-    with serving(good(*pieces)) as server, pytest.raises(Unusable):
+    with serving(good(*pieces)) as server, pytest.raises(OddAnswer):
         ask(server.model())
     assert len(server.asked) == 1
 
@@ -51,7 +58,7 @@ def test_after_three_attempts_it_is_given_up_with_what_the_server_said() -> None
     ids=["too many", "come again"],
 )
 def test_a_server_that_is_full_is_not_tried_again(chat: Chat) -> None:
-    with serving(chat, GOOD) as server, pytest.raises(ModelBusy, match=": no"):
+    with serving(chat, GOOD) as server, pytest.raises(ServerBusy, match=": no"):
         ask(server.model())
     assert len(server.asked) == 1
 
@@ -164,7 +171,7 @@ def test_garbage_is_an_error_never_a_crash(garbage: str | bytes) -> None:
         reply.stream()
         reply.raw(garbage if isinstance(garbage, bytes) else garbage.encode("utf-8", "replace"))
 
-    with serving(send) as server, pytest.raises(ModelFailed):
+    with serving(send) as server, pytest.raises(ServerFailed):
         ask(server.model())
 
 

@@ -10,8 +10,9 @@ from support.clock import HeldClock
 
 from edgevox.agent.llm.language_model import ChatMessage, ModelBusy, ModelFailed
 from edgevox.agent.llm.remote import Address, EndpointModel, FallbackModel
-from edgevox.agent.llm.remote.fallback import FIRST_REST_S, LONGEST_REST_S, Breaker
 from edgevox.core.cancel import CancelToken
+from edgevox.core.servers.errors import Unreachable
+from edgevox.core.servers.health import FIRST_REST_S, LONGEST_REST_S, Breaker
 
 CHAT = [ChatMessage("user", "Who are you?")]
 
@@ -121,7 +122,7 @@ def test_a_full_server_is_asked_again_by_the_next_question_and_mentioned_once(ri
     assert [one.ask() for _ in range(4)] == ["on board", "on board", "shared", "on board"]
 
     assert len(server.asked) == 4
-    assert (one.model.turned_away, one.model.fallbacks, one.model.fault) == (3, 3, "")
+    assert (one.model.health.turned_away, one.model.health.fallbacks, one.model.fault) == (3, 3, "")
     events = [said.partition(" ")[0] for said in warnings(caplog)]
     assert events == ["model_server_full"] * 2
 
@@ -184,7 +185,7 @@ def test_closing_closes_both(rig) -> None:
     one.model.close()
 
     assert on_board.closed
-    with pytest.raises(ModelFailed, match="closed"):
+    with pytest.raises(Unreachable, match="closed"):
         list(one.shared.generate(CHAT, grammar=None, max_tokens=9, token=CancelToken()))
 
 

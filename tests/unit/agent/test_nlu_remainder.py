@@ -129,7 +129,6 @@ def test_a_bound_is_no_value(code: str) -> None:
     [
         ("apartment", "move robot 2 m with speed 0.5"),
         ("external", "move 4 meters with speed 3"),
-        ("apartment", "move 2 m then 4 m"),
         ("apartment", "go 3 by 4"),
         ("apartment", "drive 3 times 4"),
         ("apartment", "go to level 3 position 4"),

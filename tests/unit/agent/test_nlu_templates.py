@@ -56,7 +56,7 @@ def test_plain_commands_are_understood(recogniser, text, calls):
 
 
 def test_a_name_that_is_only_nearly_said_is_found_and_not_sure(recogniser):
-    assert recogniser.recognise("go to the kichen") == Understood((to("kitchen"),), nearly=True)
+    assert recogniser.recognise("go to the kichen") == Understood((to("kitchen"),), unsure=True)
     assert recogniser.recognise("go to the livingroom") == Understood((to("living_room"),))
 
 

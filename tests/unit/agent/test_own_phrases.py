@@ -3,8 +3,7 @@ from textwrap import dedent
 import pytest
 
 from edgevox.agent.nlu.templates import Recogniser, Understood
-from edgevox.agent.phrases.load import phrasebook
-from edgevox.agent.phrases.own_phrases import OwnPhrases
+from edgevox.agent.phrases.load import OwnPhrases, phrasebook
 from edgevox.agent.skills import SkillSet, skill
 from edgevox.core.errors import InvalidValue
 

@@ -107,6 +107,22 @@ def test_what_a_template_stands_for_is_understood_and_stops_nobody(code):
                 found = recogniser.recognise(sentence)
                 assert isinstance(found, Understood), (body, name, sentence)
                 assert [call.skill for call in found.calls] == [name], (body, sentence)
+                assert not found.unsure, (body, sentence)
+
+
+@pytest.mark.parametrize("code", ["en", *few(OTHERS)])
+def test_what_the_robot_must_ask_about_is_understood_and_asked_about(code):
+    book, safety, source = phrasebook(code), SafetyWords(code), random.Random(4)
+    for body, skills in BODIES.items():
+        recogniser = Recogniser(skills, code)
+        for name, one in skills.items():
+            templates = book.asking(one) * SAMPLES
+            for sentence in dict.fromkeys(say_it(book, one, each, source) for each in templates):
+                assert safety.find(sentence) is None, sentence
+                found = recogniser.recognise(sentence)
+                assert isinstance(found, Understood), (body, name, sentence)
+                if found.unsure:  # else another skill's own sentence counts first
+                    assert [call.skill for call in found.calls] == [name], (body, sentence)
 
 
 def test_no_template_catches_an_example_and_every_example_is_a_valid_call():

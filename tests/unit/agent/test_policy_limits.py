@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from edgevox.agent.policy import Policy, PolicyContext, Rule
-from edgevox.agent.policy.file import parse_policy
+from edgevox.agent.policy.policy import parse_policy
 from edgevox.core.commands import Way
 from edgevox.core.transforms import Pose2D
 

@@ -5,7 +5,7 @@ import pytest
 from support.body import FakeBody
 from support.conversation import Talk
 
-from edgevox.agent.stopping import SAME_WORD_S
+from edgevox.agent.stop.stopping import SAME_WORD_S
 from edgevox.core.agent_events import (
     Confirmation,
     ConfirmationStatus,

@@ -12,6 +12,7 @@ from edgevox.agent.llm.remote import FallbackModel
 from edgevox.apps.agent.build import build_parts, list_components
 from edgevox.apps.folders import places_folder, written_folders
 from edgevox.core.cancel import CancelToken
+from edgevox.core.servers.errors import Unreachable
 from edgevox.core.settings import check_settings
 from edgevox.core.status import Gauges, Level
 from edgevox.robots.flat.apartment import ApartmentRobot
@@ -84,7 +85,7 @@ class Server:
 
     def generate(self, messages, *, grammar, max_tokens, token):
         if self.down:
-            raise ModelFailed("nobody answers")
+            raise Unreachable("nobody answers")
         yield "yes"
 
     def count_tokens(self, text):

@@ -52,3 +52,16 @@ def test_an_address_that_is_none_is_refused_without_showing_a_password(url: str)
 )
 def test_an_address_that_is_one_is_taken(url: str) -> None:
     assert load_settings({"llm_endpoint": url}).llm_endpoint == url
+
+
+@pytest.mark.parametrize(
+    ("written", "meant"),
+    [
+        ("http://llm:8080/v1/chat/completions", "http://llm:8080/v1"),
+        ("http://llm:8080/v1/models/", "http://llm:8080/v1"),
+        ("HTTP://llm:8080 ", "http://llm:8080"),
+        ("  https://a.example/llm/v1", "https://a.example/llm/v1"),
+    ],
+)
+def test_an_address_is_taken_for_what_it_plainly_is(written: str, meant: str) -> None:
+    assert load_settings({"llm_endpoint": written}).llm_endpoint == meant

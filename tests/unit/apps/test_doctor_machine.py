@@ -12,7 +12,13 @@ from edgevox.apps.doctor import machine as graphics
 from edgevox.models import Store
 from edgevox.ops.machine import MIB
 
-PC = {"version": [3, 12, 1], "system": "Linux", "release": "6.1", "machine": "x86_64"}
+PC = {
+    "edgevox": "1.2.3",
+    "version": [3, 12, 1],
+    "system": "Linux",
+    "release": "6.1",
+    "machine": "x86_64",
+}
 
 
 @pytest.mark.parametrize(

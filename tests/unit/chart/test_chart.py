@@ -7,9 +7,9 @@ import pytest
 import yaml
 from chart_rig import ONE, chart, environment, objects, pods, solo, validate
 
-from edgevox import __version__
-from edgevox.agent.policy.file import PolicyFile, parse_policy
+from edgevox.agent.policy.policy import PolicyFile, parse_policy
 from edgevox.core.status import STALL_S
+from edgevox.core.version import DECLARED
 
 FLEET = yaml.safe_load(chart.FLEET.read_text())
 OLDEST, NEWEST = "1.27", "1.37"
@@ -328,8 +328,9 @@ def test_a_robot_asks_for_the_disk_of_its_node_that_it_fills() -> None:
 def test_the_chart_is_of_the_version_of_the_program() -> None:
     metadata = yaml.safe_load((chart.CHART / "Chart.yaml").read_text())
 
-    assert metadata["appVersion"] == __version__
-    assert solo()["containers"][0]["image"] == f"edgevox-ros2:{__version__}"
+    assert metadata["appVersion"] == DECLARED
+    assert metadata["version"] == DECLARED.replace(".dev", "-dev")
+    assert solo()["containers"][0]["image"] == f"edgevox-ros2:{DECLARED}"
 
 
 def test_a_digest_overrules_the_tag() -> None:

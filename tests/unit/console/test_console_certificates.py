@@ -9,9 +9,10 @@ import aiohttp
 import pytest
 
 from edgevox.console import console_server
-from edgevox.console.certificates import DAYS, RENEW_DAYS, local_names, own_tls, utc_now
+from edgevox.console.certificates import DAYS, RENEW_DAYS, local_names, own_tls
 from edgevox.console.console_server import tls_of
 from edgevox.console.tls import CurrentTls, Tls
+from edgevox.core.certificates import utc_now
 from edgevox.core.errors import InvalidValue
 from edgevox.core.settings import check_settings
 from tests.console_rig import console
@@ -198,3 +199,13 @@ def test_files_that_do_not_fit_each_other_are_not_taken(tmp_path: Path) -> None:
     assert current.look()
     assert not current.look()
     assert current.context is not before
+
+
+def test_an_authority_that_was_replaced_is_refused_at_a_renewal_and_stays(tmp_path: Path) -> None:
+    tls = own_tls(tmp_path, NAMES)
+    for kind in ("crt", "key"):
+        (tmp_path / f"ca.{kind}").write_bytes((tmp_path / f"console.{kind}").read_bytes())
+    put = (tmp_path / "ca.crt").read_bytes()
+    with pytest.raises(InvalidValue, match="console_folder"):
+        tls.renew()
+    assert (tmp_path / "ca.crt").read_bytes() == put

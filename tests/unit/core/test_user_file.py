@@ -8,10 +8,10 @@ import pytest
 
 from edgevox.agent.llm import weights
 from edgevox.agent.llm.language_model import ModelFailed
-from edgevox.agent.llm.remote.address import Address
-from edgevox.agent.llm.remote.server_errors import Unusable
 from edgevox.core.errors import InvalidValue
 from edgevox.core.files.user_file import LARGEST_TEXT_BYTES, read_text
+from edgevox.core.servers.address import Address
+from edgevox.core.servers.errors import Unusable
 from edgevox.core.settings import load_settings
 from edgevox.robots.humanoid.scene import read_robot
 from edgevox.robots.world.load import load_world

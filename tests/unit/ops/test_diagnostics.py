@@ -37,8 +37,8 @@ from edgevox.ops.machine import (
     unwritable,
 )
 from edgevox.robots.capabilities import Twist2D
+from edgevox.robots.flat.apartment import PymunkEngine
 from edgevox.robots.flat.diff_drive import DiffDriveRobot
-from edgevox.robots.flat.pymunk_engine import PymunkEngine
 from edgevox.robots.sim_loop import SimComponent
 from edgevox.robots.world.load import load_world
 from edgevox.ros2.open import ExecutorComponent, ExecutorCounts

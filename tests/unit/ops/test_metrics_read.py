@@ -7,7 +7,6 @@ from types import SimpleNamespace
 import pytest
 from prometheus_client.parser import text_string_to_metric_families
 
-from edgevox.agent.llm.language_model import ModelFailed
 from edgevox.agent.llm.remote import FallbackModel
 from edgevox.agent.policy import Denied, Guard
 from edgevox.agent.text.reasons import because
@@ -17,6 +16,7 @@ from edgevox.core.bus import Bus
 from edgevox.core.cancel import CancelToken
 from edgevox.core.commands import Way
 from edgevox.core.motion.interlock import Interlock
+from edgevox.core.servers.errors import Unreachable
 from edgevox.core.settings import check_settings
 from edgevox.core.status import Components, Gauges
 from edgevox.ops.health import Health
@@ -39,7 +39,7 @@ class Server:
 
     def generate(self, messages, *, grammar, max_tokens, token):
         if self.gone:
-            raise ModelFailed("nobody answers")
+            raise Unreachable("nobody answers")
         yield "Hello."
 
 

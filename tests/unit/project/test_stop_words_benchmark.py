@@ -27,9 +27,9 @@ from stop_words_rig import (
 from edgevox.models import ModelMissing
 from edgevox.models.store import Store
 from edgevox.voice.audio import FRAME_S, FRAME_SAMPLES
-from edgevox.voice.stop import spotter as stop_spotter
-from edgevox.voice.stop.network import CHANNELS, STEPS, read_weights
-from edgevox.voice.stop.spotter import StopSpotter
+from edgevox.voice.stop_spotter import spotter as stop_spotter
+from edgevox.voice.stop_spotter.network import CHANNELS, STEPS, read_weights
+from edgevox.voice.stop_spotter.spotter import StopSpotter
 
 LETTERS = re.compile(r"[^a-z0-9]")
 

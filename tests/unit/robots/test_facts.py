@@ -14,7 +14,7 @@ from edgevox.robots.battery import battery_skill
 from edgevox.robots.capabilities import LidarScan, Twist2D
 from edgevox.robots.facts import facts_of, known_of
 from edgevox.robots.flat.apartment import ApartmentRobot
-from edgevox.robots.panda.facts import table_facts
+from edgevox.robots.panda.skills import table_facts
 
 SPEED_M_S = 0.8
 ON = {"x": 0.5, "y": 0.0, "z": 0.025}

@@ -11,7 +11,7 @@ from edgevox.core.errors import InvalidValue
 from edgevox.core.transforms import Pose2D
 from edgevox.robots.humanoid.environment import RISE_M_S2, eased
 from edgevox.robots.humanoid.gait import LIFT_M, FootstepPlanner, ahead
-from edgevox.robots.humanoid.motion_primitive import PATIENCE_S, MotionPrimitive
+from edgevox.robots.humanoid.walk_control import PATIENCE_S, MotionPrimitive
 from edgevox.robots.humanoid.walker import WalkerLimits
 from edgevox.robots.humanoid.walking_policy import STAND, WalkingCommand, WalkingPlan
 

@@ -5,9 +5,8 @@ import math
 
 import pytest
 
-from edgevox.robots.panda import things
-from edgevox.robots.panda.layout import BINS, CUBES, places
-from edgevox.robots.panda.things import Placed
+from edgevox.robots.panda import table
+from edgevox.robots.panda.table import BINS, CUBES, Placed, places
 
 RED, GREEN, BLUE = "red_cube", "green_cube", "blue_cube"
 APART = {
@@ -29,21 +28,21 @@ APART = {
     ],
 )
 def test_a_cube_is_where_a_person_would_say(place, held, expected) -> None:
-    assert things.where(RED, {**APART, RED: place}, held) == expected
+    assert table.where(RED, {**APART, RED: place}, held) == expected
 
 
 def test_a_cube_on_another_in_a_bin_is_on_that_cube() -> None:
     stacked = {**APART, RED: Placed(0.4, 0.42, 0.03), GREEN: Placed(0.4, 0.42, 0.08)}
 
-    assert things.where(GREEN, stacked, None) == RED
-    assert things.on_top(RED, stacked) == GREEN
-    assert things.on_top(GREEN, stacked) is None
+    assert table.where(GREEN, stacked, None) == RED
+    assert table.on_top(RED, stacked) == GREEN
+    assert table.on_top(GREEN, stacked) is None
 
 
 def test_three_cubes_have_room_in_one_bin() -> None:
     found = dict(APART)
     for name in CUBES:
-        spot = things.free_spot(name, BINS["left_bin"], found)
+        spot = table.free_spot(name, BINS["left_bin"], found)
         assert spot is not None
         assert BINS["left_bin"].contains(*spot)
         found[name] = Placed(*spot, 0.03)
@@ -54,9 +53,9 @@ def test_three_cubes_have_room_in_one_bin() -> None:
 
 def test_a_cube_goes_back_to_where_it_was_unless_that_is_taken() -> None:
     start = (0.52, 0.0)
-    assert things.free_table(GREEN, {**APART, RED: Placed(0.3, 0.0, 0.025)}, start) == start
+    assert table.free_table(GREEN, {**APART, RED: Placed(0.3, 0.0, 0.025)}, start) == start
 
-    elsewhere = things.free_table(GREEN, {**APART, RED: Placed(0.53, 0.01, 0.025)}, start)
+    elsewhere = table.free_table(GREEN, {**APART, RED: Placed(0.53, 0.01, 0.025)}, start)
     assert elsewhere is not None
     assert math.dist(elsewhere, (0.53, 0.01)) > 0.08
 

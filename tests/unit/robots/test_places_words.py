@@ -65,7 +65,7 @@ def test_a_misheard_name_is_corrected_but_never_to_one_with_another_word(learner
     found = Recogniser(learner.skills).recognise(said)
 
     assert (
-        found == Understood((Call("go", {"room": meant}),), nearly=meant == "charger")
+        found == Understood((Call("go", {"room": meant}),), unsure=meant == "charger")
         if meant
         else isinstance(found, RefusedCommand)
     )

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from edgevox.core.transforms import Pose2D
-from edgevox.robots.flat.pymunk_engine import Lidar, cast
+from edgevox.robots.flat.apartment import Lidar, cast
 from edgevox.robots.world.load import parse_world
 
 NO_DISCS = np.empty((0, 3))

@@ -61,16 +61,16 @@ def test_a_step_that_fails_is_logged_once_in_a_while_and_the_next_one_comes(
 
     def step() -> bool:
         taken.append(1)
-        if len(taken) in (3, 4):
+        if 3 <= len(taken) < 10:
             raise ValueError("no such luck")
         return True
 
     with caplog.at_level(logging.ERROR):
         sim_loop, _ = run(step, speed=1.0, until_s=1.0)
 
-    assert sim_loop.failures == 2
+    assert sim_loop.failures == 7
     assert len(taken) > 10
-    assert caplog.text.count("world_step_failed") == 1
+    assert caplog.text.count("world_step_failed") == 3
 
 
 def test_as_fast_as_it_can_it_stands_still_until_there_is_something_to_do() -> None:

@@ -4,8 +4,7 @@ import re
 from pathlib import Path
 
 from edgevox.core.settings import Settings
-from edgevox.scenario.compare import Compare
-from edgevox.scenario.format import SETTABLE, STEPS, Scenario, parse_scenario
+from edgevox.scenario.format import SETTABLE, STEPS, Compare, Scenario, parse_scenario
 
 ROOT = Path(__file__).parents[3]
 

@@ -6,8 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from edgevox.scenario.compare import MISSING, Compare, look_up
-from edgevox.scenario.format import Condition, Never
+from edgevox.scenario.format import MISSING, Compare, Condition, Never, look_up
 from edgevox.scenario.judge import Judge, Seen, Source
 
 

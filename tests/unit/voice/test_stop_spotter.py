@@ -7,9 +7,9 @@ import pytest
 
 from edgevox.core.languages import LANGUAGES
 from edgevox.voice.audio import FRAME_S, FRAME_SAMPLES, RATE_HZ
-from edgevox.voice.stop import network
-from edgevox.voice.stop import spotter as stop_spotter
-from edgevox.voice.stop.network import (
+from edgevox.voice.stop_spotter import network
+from edgevox.voice.stop_spotter import spotter as stop_spotter
+from edgevox.voice.stop_spotter.network import (
     BANDS,
     CHANNELS,
     ENCODER,
@@ -23,7 +23,7 @@ from edgevox.voice.stop.network import (
     read_weights,
     weights_of,
 )
-from edgevox.voice.stop.spotter import (
+from edgevox.voice.stop_spotter.spotter import (
     LEAST_ODDS,
     LOOKED_AT,
     LOOKS_EVERY,

@@ -10,8 +10,8 @@ from edgevox.core.commands import Heard, Interrupt, Transcribing
 from edgevox.core.errors import EdgeVoxError
 from edgevox.core.events import AudioLevel, Cause, WakeWordHeard
 from edgevox.voice.audio import FRAME_S
-from edgevox.voice.endpoint import ONSET_FRAMES
 from edgevox.voice.listener import Listener
+from edgevox.voice.utterance_end import ONSET_FRAMES
 
 
 @pytest.fixture

@@ -8,8 +8,8 @@ from edgevox.core.bus import Bus
 from edgevox.core.commands import Heard, SpokenOn
 from edgevox.core.speech import Ending
 from edgevox.voice.audio import FRAME_S
-from edgevox.voice.endpoint import EARLY_S, END_S, ENDS_AFTER_S, GOES_ON_S
 from edgevox.voice.listener import Listener
+from edgevox.voice.utterance_end import EARLY_S, END_S, ENDS_AFTER_S, GOES_ON_S
 
 SAID = [VOICE] * 20
 SAID_S = 20 * FRAME_S

@@ -4,7 +4,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from edgevox.voice.audio import FRAME_S, FRAME_SAMPLES, Frame
-from edgevox.voice.endpoint import (
+from edgevox.voice.utterance_end import (
     END_S,
     MAX_S,
     ONSET_FRAMES,

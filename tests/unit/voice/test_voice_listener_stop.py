@@ -8,7 +8,7 @@ from edgevox.core.bus import Bus
 from edgevox.core.commands import Heard, StopSpotted, Transcribing
 from edgevox.voice.audio import FRAME_S, FRAME_SAMPLES
 from edgevox.voice.listener import Listener
-from edgevox.voice.stop.detector import WORD_S, StopWatch, may_stop
+from edgevox.voice.stop_spotter.detector import WORD_S, StopWatch, may_stop
 from edgevox.voice.word_detection import OncePerWord
 
 STOP = 9000

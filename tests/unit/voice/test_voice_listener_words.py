@@ -1,7 +1,7 @@
 import pytest
 
-from edgevox.voice.endpoint import SpeechEnded
 from edgevox.voice.stt.plausible import Segment, plausible, words_of
+from edgevox.voice.utterance_end import SpeechEnded
 from edgevox.voice.wake.gate import FOLLOW_S, SHORT_S, WakeDecision, WakeGate, without_phrase
 
 

@@ -12,8 +12,8 @@ from dataclasses import dataclass
 from typing import Union
 
 from edgevox.agent.llm.language_model import ModelFailed
-from edgevox.agent.llm.remote.server_errors import Unusable
 from edgevox.core.cancel import CancelToken
+from edgevox.core.servers.errors import OddAnswer
 
 _TOKEN = re.compile(
     r'\s*("(?:\\.|[^"\\\n])*"|\[(?:\\.|[^\]\\\n])*\]|\{\d+(?:,\d*)?\}|[()|?*+]'
@@ -212,7 +212,7 @@ def enforce_grammar(
 ) -> Iterator[str]:
     """The pieces of an answer as far as they obey; what is said after its end is left out.
 
-    Raises `Unusable` for one that leaves the grammar before its end, and for an empty one.
+    Raises `OddAnswer` for one that leaves the grammar before its end, and for an empty one.
     """
     if grammar is None:
         yield from answer
@@ -226,6 +226,6 @@ def enforce_grammar(
         if count < len(piece):
             if matcher.complete:
                 return
-            raise Unusable(f"it does not obey the grammar: {piece[:80]!r}")
+            raise OddAnswer(f"it does not obey the grammar: {piece[:80]!r}")
     if not begun and not token.cancelled:
-        raise Unusable("its answer is empty")
+        raise OddAnswer("its answer is empty")

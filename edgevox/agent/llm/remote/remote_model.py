@@ -1,23 +1,25 @@
 """A language model that runs on a server of the network."""
 
-import ssl
-import threading
 import time
 from collections.abc import Generator, Iterator, Mapping, Sequence
-from contextlib import closing, contextmanager
-from http import HTTPStatus
+from contextlib import closing
 from typing import Any
 
-import httpx
-
-from edgevox.agent.llm.language_model import CONTEXT_TOKENS, ChatMessage, ModelFailed
-from edgevox.agent.llm.remote.address import Address, Offer, chat_request, read_offer
+from edgevox.agent.llm.language_model import CONTEXT_TOKENS, ChatMessage
+from edgevox.agent.llm.remote.answer import answered, pieces
 from edgevox.agent.llm.remote.gbnf import enforce_grammar
-from edgevox.agent.llm.remote.http import HttpRequest, pieces, refusal
-from edgevox.agent.llm.remote.server_errors import Unreachable, Unusable, by_status
+from edgevox.agent.llm.remote.protocol import (
+    Offer,
+    chat_request,
+    read_offer,
+    refused_field,
+    without_fields,
+)
 from edgevox.core.cancel import CancelToken
-from edgevox.core.errors import InvalidValue
-from edgevox.core.files.json_reader import read_json
+from edgevox.core.servers.address import Address
+from edgevox.core.servers.errors import RequestRefused, Unreachable
+from edgevox.core.servers.http import HttpServer
+from edgevox.core.settings import GrammarDialect
 
 PAUSES_S = (0.2, 0.6)
 """Before the second and the third attempt."""
@@ -26,33 +28,30 @@ _MOST_WAITS = 6
 
 
 class EndpointModel:
-    """Implements `LanguageModel`, though several calls are served at once.
+    """A model that answers as a `LanguageModel` does, though several calls are served at once.
 
-    A request that fails is tried again until its first token is there, within the time for that.
-    What the server sends is held against the grammar, whether or not the server knows of it:
-    nothing else comes through.
+    A request that fails is tried again until its first token is there, within the time for that. A
+    field that the server refuses is left out from then on. What the server sends is held against
+    the grammar, whether or not the server knows of it: nothing else comes through. Raises
+    `ServerFailed`; `FallbackModel` makes a `LanguageModel` of it.
     """
 
     def __init__(
         self,
         address: Address,
         *,
+        dialect: GrammarDialect = "auto",
         context_tokens: int = CONTEXT_TOKENS,
         pauses_s: Sequence[float] = PAUSES_S,
     ) -> None:
         self.name = address.model or address.host
         self.context_tokens = context_tokens
         self._address = address
+        self._dialect = dialect
         self._pauses_s = pauses_s
         self._offer: Offer | None = None
-        self._closed = threading.Event()
-        self._lock = threading.Lock()
-        self._exchanges: set[HttpRequest] = set()
-        self._client = httpx.Client(
-            verify=_trusted(address.url),
-            trust_env=False,  # no proxy: what is said to a robot takes no detour
-            limits=httpx.Limits(max_keepalive_connections=0),
-        )
+        self._refused: frozenset[str] = frozenset()
+        self._server = HttpServer(address)
 
     def generate(
         self,
@@ -62,7 +61,7 @@ class EndpointModel:
         max_tokens: int,
         token: CancelToken,
     ) -> Iterator[str]:
-        """See `LanguageModel.generate`."""
+        """See `LanguageModel.generate`. Raises `ServerFailed`."""
         deadline_s = time.monotonic() + self._address.timeout_s
         pauses, begun = iter(self._pauses_s), False
         while not token.cancelled:
@@ -70,7 +69,7 @@ class EndpointModel:
                 with closing(
                     self._attempt(messages, grammar, max_tokens, deadline_s, token)
                 ) as heard:
-                    for piece in enforce_grammar(heard, grammar, token):
+                    for piece in enforce_grammar(answered(heard), grammar, token):
                         begun = True
                         yield piece
                         if token.cancelled:
@@ -79,14 +78,14 @@ class EndpointModel:
                 self._offer = None  # whoever answers next may be somebody else
                 pause_s = next(pauses, None)
                 late = pause_s is None or time.monotonic() + pause_s >= deadline_s
-                if begun or late or self._closed.is_set():
+                if begun or late or self._server.closed:
                     raise
                 token.wait(pause_s)
             else:
                 return
 
     def prime(self, messages: Sequence[ChatMessage], token: CancelToken) -> None:
-        """See `LanguageModel.prime`."""
+        """See `LanguageModel.prime`. Raises `ServerFailed`."""
         for _ in self.generate(messages, grammar=None, max_tokens=1, token=token):
             pass
 
@@ -101,14 +100,7 @@ class EndpointModel:
 
     def close(self) -> None:
         """See `LanguageModel.close`."""
-        self._closed.set()
-        with self._lock:
-            left = list(self._exchanges)
-        for one in left:
-            one.drop()
-        for one in left:
-            one.join()
-        self._client.close()
+        self._server.close()
 
     def _attempt(
         self,
@@ -118,70 +110,42 @@ class EndpointModel:
         deadline_s: float,
         token: CancelToken,
     ) -> Generator[str, None, None]:
-        """The answer to one request."""
+        """The answer to one question, asked again without each field that the server refuses."""
         offer = self._offer or self._ask_offer(deadline_s, token)
         if offer is None:
             return
         self._offer = offer
-        body = chat_request(offer, messages, grammar, max_tokens)
+        full = chat_request(offer, messages, grammar, max_tokens)
+        while True:
+            request = without_fields(full, self._refused)
+            try:
+                yield from self._asked(request, deadline_s, token)
+            except RequestRefused as error:
+                refused = refused_field(request, str(error))
+                if not refused:
+                    raise
+                self._refused |= {refused}
+            else:
+                return
+
+    def _asked(
+        self, request: Mapping[str, Any], deadline_s: float, token: CancelToken
+    ) -> Iterator[str]:
+        """The answer to one request."""
         end_s = deadline_s + (_MOST_WAITS - 1) * self._address.timeout_s
-        with self._exchange("chat/completions", body, deadline_s, token) as exchange:
+        with self._server.request("chat/completions", deadline_s, token, json=request) as exchange:
             try:
                 for piece in pieces(exchange.chunks()):
                     yield piece
                     exchange.deadline_s = min(end_s, time.monotonic() + self._address.timeout_s)
             except Unreachable:
                 if not token.cancelled:
-                    self._refuse_if_closed()
+                    self._server.refuse_if_closed()
                     raise
 
     def _ask_offer(self, deadline_s: float, token: CancelToken) -> Offer | None:
         """What the server has; None if cancelled."""
-        address = self._address
-        if address.model and address.dialect != "auto":
-            return Offer(address.model, address.dialect)
-        with self._exchange("models", None, deadline_s, token) as exchange:
-            reply = b"".join(exchange.chunks())
-        if token.cancelled:
-            return None
-        try:
-            return read_offer(read_json(reply, "models"), address)
-        except InvalidValue:
-            raise Unusable(f"{address.route('models')} did not answer in JSON") from None
-
-    @contextmanager
-    def _exchange(
-        self, route: str, body: Mapping[str, Any] | None, deadline_s: float, token: CancelToken
-    ) -> Iterator[HttpRequest]:
-        """A request whose status is good, or one that was cancelled."""
-        url = self._address.route(route)
-        with self._lock:
-            self._refuse_if_closed()
-            self._exchanges = {one for one in self._exchanges if one.running}
-            exchange = HttpRequest(self._client, url, self._address.headers(), body, deadline_s)
-            self._exchanges.add(exchange)
-        forget = token.on_cancel(exchange.drop)
-        try:
-            status = exchange.status()
-            if status not in (0, HTTPStatus.OK):
-                said = refusal(b"".join(exchange.chunks()))
-                raise by_status(status, url, said, later=exchange.later)
-            self._refuse_if_closed(token)
-            yield exchange
-        finally:
-            forget()
-            exchange.drop()
-
-    def _refuse_if_closed(self, token: CancelToken | None = None) -> None:
-        if self._closed.is_set() and not (token and token.cancelled):
-            raise ModelFailed(f"{self.name} is closed")
-
-
-def _trusted(url: str) -> ssl.SSLContext:
-    """The system's certificates, to which a company may have added its own; none if none are used.
-
-    To load them takes a tenth of a second.
-    """
-    if url.startswith("https:"):
-        return ssl.create_default_context()
-    return ssl.SSLContext(ssl.PROTOCOL_TLS_CLIENT)
+        if self._address.model and self._dialect != "auto":
+            return Offer(self._address.model, self._dialect)
+        reply = self._server.read_json("models", deadline_s, token)
+        return None if token.cancelled else read_offer(reply, self._address, self._dialect)

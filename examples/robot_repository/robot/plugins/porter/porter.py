@@ -6,8 +6,8 @@ from pydantic import Field
 
 from edgevox.agent.skills import GoalHandle, Result, Skill, skill
 from edgevox.core.settings import Settings
+from edgevox.robots.flat.apartment import PymunkEngine
 from edgevox.robots.flat.diff_drive import DiffDriveRobot
-from edgevox.robots.flat.pymunk_engine import PymunkEngine
 from edgevox.robots.plugin import Robot
 from edgevox.robots.world.load import load_world
 from edgevox.robots.world.model import World

@@ -1,11 +1,11 @@
-"""What a body knows of itself and its world, for a conversation that answers questions."""
+"""What a body tells the agent of itself and its world: for answers, and for programs."""
 
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from datetime import datetime
 
-from edgevox.agent.skills import Skill
+from edgevox.agent.skills import Call, Skill
 from edgevox.core.transforms import Pose2D
 
 PlaceAt = Callable[[float, float], str | None]
@@ -26,9 +26,13 @@ class WayLeft:
     """The time that it takes; None if that is not known."""
 
 
+def _no_way() -> None:
+    """What a body knows of a way without knowing any."""
+
+
 @dataclass(frozen=True, slots=True)
 class Known:
-    """What a robot knows beside its conversation, for `DialogueSkills`."""
+    """What a robot knows beside its conversation; by default nothing."""
 
     facts: tuple[Skill, ...] = ()
     """The facts of its body."""
@@ -36,8 +40,13 @@ class Known:
     """Returns its pose; None for a body that has none."""
     place_at: PlaceAt = no_place
     """Returns the place of a point."""
-    way_left: Callable[[], WayLeft | None] = lambda: None
+    way_left: Callable[[], WayLeft | None] = _no_way
     """Returns what is left of the way that it is on; None if that is not known."""
+    way_back: Callable[[], Call | None] = _no_way
+    """Returns the call that leads back to the pose now; None if the robot does not know it."""
+    battery: Callable[[], float | None] | None = None
+    """Returns the charge from 0 to 1, or None while it is unknown. Must not block. None for a robot
+    without a battery."""
     today: Callable[[], datetime] = datetime.now
     """Returns the date and time where the robot is."""
 

@@ -1,4 +1,8 @@
-"""The endpointer: finds where speech begins and ends, a state machine over frames."""
+"""The endpointer: finds where speech begins and ends, a state machine over frames.
+
+The silence that ends an utterance is shorter or longer by its words so far, which
+`edgevox.agent.nlu.hearing.endings` judges and `listener` asks for.
+"""
 
 from collections import deque
 from collections.abc import Mapping

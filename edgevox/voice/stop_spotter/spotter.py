@@ -25,7 +25,7 @@ import numpy as np
 from edgevox.core.log import get_logger, worth_a_line
 from edgevox.voice.audio import RATE_HZ, Samples
 from edgevox.voice.noise_floor import NoiseFloor
-from edgevox.voice.stop.network import (
+from edgevox.voice.stop_spotter.network import (
     SAMPLES,
     Floats,
     StopEncoder,

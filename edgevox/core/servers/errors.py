@@ -1,18 +1,30 @@
-"""Errors of a model server, by the reaction that each needs."""
+"""Errors of servers, by the reaction that each needs."""
 
-from edgevox.agent.llm.language_model import ModelBusy, ModelFailed
+from edgevox.core.errors import EdgeVoxError
 
 
-class Unreachable(ModelFailed):
+class ServerFailed(EdgeVoxError):
+    """A server gave no usable answer; the message says why."""
+
+
+class ServerBusy(ServerFailed):
+    """The server works but has no room for this request; it may answer a later one."""
+
+
+class Unreachable(ServerFailed):
     """The server cannot be reached or serve now; a second attempt may succeed."""
 
 
-class Unusable(ModelFailed):
+class Unusable(ServerFailed):
     """The server answers wrongly, and would answer the same request the same way."""
 
 
-class RequestRefused(ModelFailed):
+class RequestRefused(ServerFailed):
     """The server refused this request, perhaps as too long; it may serve others."""
+
+
+class OddAnswer(ServerFailed):
+    """The server works, and this answer makes no sense; others may."""
 
 
 _OF_THE_REQUEST = (400, 413, 422)
@@ -20,7 +32,7 @@ _FOR_NOW = (408, 425)
 _FULL, _AWAY = 429, 503
 
 
-def by_status(status: int, route: str, said: str, *, later: bool = False) -> ModelFailed:
+def by_status(status: int, route: str, said: str, *, later: bool = False) -> ServerFailed:
     """The error that an HTTP status other than 200 stands for.
 
     `later` is whether the server says when to come again, by which a 503 means that it is full and
@@ -28,7 +40,7 @@ def by_status(status: int, route: str, said: str, *, later: bool = False) -> Mod
     """
     message = f"{route} answered {status}: {said}"
     if status == _FULL or (status == _AWAY and later):
-        return ModelBusy(message)
+        return ServerBusy(message)
     if status in _OF_THE_REQUEST:
         return RequestRefused(message)
     return Unreachable(message) if status in _FOR_NOW or status >= 500 else Unusable(message)

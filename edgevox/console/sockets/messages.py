@@ -1,4 +1,7 @@
-"""The messages of a page on the socket `/ws`, with their bounds. All others are refused."""
+"""The messages of a page on the socket `/ws`, with their bounds. All others are refused.
+
+`control` does what they ask for.
+"""
 
 from typing import Annotated, Any, ClassVar, Literal
 

@@ -14,7 +14,7 @@ from typing import Protocol
 from edgevox.core.languages import STOP_WORDS
 from edgevox.core.log import get_logger, worth_a_line
 from edgevox.voice.audio import FRAME_S, Samples
-from edgevox.voice.endpoint import ONSET_FRAMES, VOICED
+from edgevox.voice.utterance_end import ONSET_FRAMES, VOICED
 
 log = get_logger(__name__)
 

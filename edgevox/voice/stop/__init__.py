@@ -1,1 +1,0 @@
-"""Stop words by their sound."""

@@ -1,0 +1,1 @@
+"""Stop words by their sound, while they are said; `edgevox.agent.stop` finds those of a text."""
