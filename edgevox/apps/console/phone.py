@@ -4,8 +4,10 @@ import socket
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
+from ipaddress import ip_address
 from pathlib import Path
 
+from edgevox.console.console_server import is_loopback
 from edgevox.console.opened import Opened, network_address
 from edgevox.console.sessions import Code, Pairing, Role
 from edgevox.console.tls import console_url
@@ -15,6 +17,7 @@ from edgevox.core.settings import Settings
 CONNECT_S = 2.0
 OPENS_S = 5.0
 """Seconds until a running console has opened."""
+LOOK_S = 0.2
 
 
 class NotOpen(EdgeVoxError):
@@ -37,9 +40,10 @@ def pair_phone(
     If the console answers on this machine only, `agree` is asked whether it may open at an address.
     Raises `EdgeVoxError`, and `OSError` where the folder cannot be written.
     """
-    host, port = _address(settings), settings.console_port
+    host, port = _host(settings), settings.console_port
     url = console_url(host, port, settings.console_tls != "off")
-    if not _answers(host, port):
+    address = host if _is_address(host) else network_address()
+    if is_loopback(settings.console_host) and not _answers(address, port):
         if not _answers("127.0.0.1", port):
             raise EdgeVoxError(
                 f"console: nothing answers on port {port} of this machine, expected a robot that"
@@ -49,11 +53,11 @@ def pair_phone(
             raise NotOpen(
                 f"console: it answers on this machine only, expected an agreement to open {url}"
             )
-        _open(settings, folder, host)
+        _open(Opened(folder), address, port)
     return PhonePairing(url, Pairing(folder).offer(role))
 
 
-def _address(settings: Settings) -> str:
+def _host(settings: Settings) -> str:
     first = settings.console_names.partition(",")[0].strip()
     host = first or network_address()
     if not host or host in ("localhost", "127.0.0.1", "::1"):
@@ -66,19 +70,24 @@ def _address(settings: Settings) -> str:
     return host
 
 
-def _open(settings: Settings, folder: Path, host: str) -> None:
-    opened = Opened(folder)
-    address = socket.getaddrinfo(host, None, type=socket.SOCK_STREAM)[0][4][0]
-    opened.open(str(address))
+def _is_address(host: str) -> bool:
+    try:
+        return bool(ip_address(host))
+    except ValueError:
+        return False
+
+
+def _open(opened: Opened, address: str, port: int) -> None:
+    opened.open(address)
     until = time.monotonic() + OPENS_S
-    while not _answers(host, settings.console_port):
+    while not _answers(address, port):
         if time.monotonic() > until:
             opened.close()
             raise EdgeVoxError(
                 "console: this robot's settings keep it to this machine, expected a restart with"
-                f" --console-host 0.0.0.0 --console-names {host}"
+                f" --console-host 0.0.0.0 --console-names {address}"
             )
-        time.sleep(0.2)
+        time.sleep(LOOK_S)
 
 
 def _answers(host: str, port: int) -> bool:

@@ -326,7 +326,7 @@ class Face(App[None]):
 
     def _look(self) -> None:
         """Look at the robot, off the event loop: it may answer late."""
-        if self._looking:
+        if self._looking or not self._base.children:  # none are left while it ends
             return
         self._looking = True
         shown = self._base.query_one("#map")
