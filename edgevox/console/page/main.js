@@ -13,6 +13,7 @@ import { settingsPanel } from "./settings.js";
 import { stopBar } from "./stop.js";
 import { Store } from "./store.js";
 import { questionCard, talkPanel } from "./talk.js";
+import { Speech } from "./talk_sound.js";
 import { loadWords, number, say } from "./words.js";
 
 /** The panels in the order of the tabs; those from `do` on share a place on a desk. */
@@ -60,7 +61,8 @@ function tabBar(choose, names, kind) {
 
 /** @param {Store} store @param {Link} link */
 function consolePage(store, link) {
-  const panels = PANELS.map(([name, make]) => h("div", { class: `panel ${name}`, "data-panel": name }, make(store, link)));
+  const speech = new Speech(store, link);
+  const panels = PANELS.map(([name, make]) => h("div", { class: `panel ${name}`, "data-panel": name }, make(store, link, speech)));
   const choose = (/** @type {string} */ name) => {
     for (const one of document.querySelectorAll("[data-panel]")) {
       const its = one.getAttribute("data-panel");
@@ -77,7 +79,7 @@ function consolePage(store, link) {
     h("div", { class: "bottom" }, questionCard(store, link), stopBar(store, link)), tabBar(choose, PANELS.map(([name]) => name), "tabs"));
   document.getElementById("page")?.replaceChildren(page, toasts);
   choose("do");
-  choose(matchMedia("(min-width: 900px) and (min-height: 520.02px)").matches ? "do" : "talk");
+  choose(matchMedia("(min-width: 700px) and (min-height: 520.02px)").matches ? "do" : "talk");
   store.on("link", () => look(link));
   document.addEventListener("visibilitychange", () => look(link));
 }

@@ -59,8 +59,9 @@ class Turn {
 /**
  * @param {import("./store.js").Store} store
  * @param {import("./link.js").Link} link
+ * @param {import("./talk_sound.js").Speech} speech
  */
-export function talkPanel(store, link) {
+export function talkPanel(store, link, speech) {
   /** @type {Map<any, Turn>} */
   const turns = new Map();
   /** What was typed here and is not heard yet, the oldest first. @type {Set<Turn>} */
@@ -123,7 +124,22 @@ export function talkPanel(store, link) {
     if (talk.length) for (const turn of turns.values()) turn.element.remove(); // it tells them all
     turns.clear(); // a robot numbers its turns from 1 after a restart
   });
-  return h("section", { class: "card talk-card" }, log, soundButtons(store, link), composer(store, link, words(tell)));
+  const card = h("section", { class: "card talk-card" }, log, soundButtons(store, speech), composer(store, link, words(tell)));
+  if (location.hash === "#phone") offerFirstSteps(card, store, link, speech);
+  return card;
+}
+
+/**
+ * What a phone needs first stands in the place of the conversation until it is done.
+ * @param {HTMLElement} card
+ * @param {import("./store.js").Store} store
+ * @param {import("./link.js").Link} link
+ * @param {import("./talk_sound.js").Speech} speech
+ */
+async function offerFirstSteps(card, store, link, speech) {
+  const path = "./first_steps.js"; // not among what every page fetches at once
+  const { firstSteps } = await import(path);
+  card.prepend(firstSteps(store, link, speech));
 }
 
 /** @param {(text: string, input: HTMLInputElement) => void} tell */
