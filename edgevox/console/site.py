@@ -162,7 +162,7 @@ class Site:
     # The page
 
     async def _index(self, request: web.Request) -> web.StreamResponse:
-        return self._files.document(request, "index.html")
+        return self._files.document(request, "index.html", paired=_SESSION in request)
 
     async def _certificate(self, _request: web.Request) -> web.Response:
         if self.authority is None:

@@ -1,17 +1,14 @@
 /** Puts the page together. */
-import { me } from "./boot.js";
+import { paired } from "./boot.js";
 import { doPanel } from "./do.js";
 import { h, sign } from "./dom.js";
-import { knowPanel } from "./know.js";
+import { link, store } from "./early.js";
+import { knowPanel, recordingSign } from "./know.js";
 import { leaseControl } from "./lease.js";
-import { Link } from "./link.js";
 import { noticeBar, toasts } from "./notices.js";
-import { pairPage } from "./pair.js";
-import { recordingSign } from "./recordings.js";
 import { seePanel } from "./see.js";
 import { settingsPanel } from "./settings.js";
 import { stopBar } from "./stop.js";
-import { Store } from "./store.js";
 import { questionCard, talkPanel } from "./talk.js";
 import { Speech } from "./talk_sound.js";
 import { loadWords, number, say } from "./words.js";
@@ -19,6 +16,9 @@ import { loadWords, number, say } from "./words.js";
 /** The panels in the order of the tabs; those from `do` on share a place on a desk. */
 const PANELS = /** @type {const} */ ([["talk", talkPanel], ["see", seePanel], ["do", doPanel], ["know", knowPanel], ["settings", settingsPanel]]);
 const ASIDE = ["do", "know", "settings"];
+
+/** @typedef {import("./store.js").Store} Store */
+/** @typedef {import("./link.js").Link} Link */
 
 /** @param {Store} store */
 function topBar(store, /** @type {Link} */ link) {
@@ -92,14 +92,16 @@ function look(link) {
 }
 
 async function start() {
-  const [answer] = await Promise.all([me, loadWords()]);
-  const place = document.getElementById("page");
-  if (answer.status === 401) return place?.replaceChildren(pairPage(() => location.reload()));
-  const store = new Store();
-  const link = new Link(store);
+  await loadWords();
+  if (!paired) {
+    const path = "./pair.js"; // not among what every page fetches at once
+    const { pairPage } = await import(path);
+    return document.getElementById("page")?.replaceChildren(pairPage(() => location.reload()));
+  }
+  if (store.link === "out") return location.reload();
   consolePage(store, link);
   store.on("link", (state) => state === "out" && location.reload());
-  link.open();
+  link.begin();
 }
 
 await start();

@@ -1,5 +1,6 @@
 /** How a browser is let in: with the code that the robot shows in its terminal and its log. */
 import { h, sign } from "./dom.js";
+import { certificateLink } from "./settings.js";
 import { say, sayOr } from "./words.js";
 
 /** @param {() => void} paired */
@@ -32,8 +33,4 @@ export function pairPage(paired) {
     }
   });
   return h("main", { class: "pair-page" }, form);
-}
-
-export function certificateLink() {
-  return h("p", { class: "small-text", hidden: location.protocol !== "https:" }, h("a", { href: "/ca" }, say("certificate")));
 }

@@ -1,5 +1,4 @@
 /** The robot's settings that can change while it runs, and the language of this page. */
-import { certificateLink } from "./pair.js";
 import { h, redraw } from "./dom.js";
 import { onlyWithControl } from "./lease.js";
 import { question, tellRefusal } from "./notices.js";
@@ -57,4 +56,8 @@ function choice(words, values, now, called, chosen) {
 function flip(words, on, change) {
   return h("div", { class: "field wide" }, h("span", {}, words), h("button", { class: "switch", type: "button", role: "switch",
     "aria-checked": String(on), "aria-label": words, onclick: () => change(!on) }));
+}
+
+export function certificateLink() {
+  return h("p", { class: "small-text", hidden: location.protocol !== "https:" }, h("a", { href: "/ca" }, say("certificate")));
 }
