@@ -24,20 +24,23 @@ const ASIDE = ["do", "know", "settings"];
 function topBar(store, /** @type {Link} */ link) {
   const name = h("h1", { dir: "auto" }, "EdgeVox");
   const state = h("span", { class: "chip state", role: "status" });
-  const battery = h("span", { class: "chip battery", hidden: true });
+  const battery = h("span", { class: "chip battery", dir: "ltr", hidden: true });
   store.on("hello", () => {
     name.textContent = store.robot || "EdgeVox";
     document.title = `${store.robot || "EdgeVox"}`;
   });
   let does = "listening";
-  const tellState = () => (state.textContent = say(`state_${store.link === "ready" ? does : store.link}`));
+  const tellState = () => {
+    const now = store.link !== "ready" ? store.link : store.stop.engaged ? "stopped" : does;
+    state.textContent = say(`state_${now}`);
+  };
   store.on("talk", (m) => {
     if (m.kind !== "state") return;
     does = m.state;
     tellState();
   });
   store.on("hello", () => (does = "listening"));
-  store.on("link", tellState);
+  for (const type of ["link", "stop"]) store.on(type, tellState);
   store.on("live", () => {
     const level = store.live.battery?.level;
     battery.hidden = level == null;

@@ -2,10 +2,9 @@
 import { h, redraw } from "./dom.js";
 import { onlyWithControl } from "./lease.js";
 import { question, tellRefusal } from "./notices.js";
-import { LANGUAGES, chooseLanguage, language, say, sayOr } from "./words.js";
+import { LANGUAGES, chooseLanguage, language, languageName, say, sayOr } from "./words.js";
 
 const CONFIRMS = ["never", "unsure", "always"];
-const named = (/** @type {string} */ code) => /** @type {Record<string, string>} */ (LANGUAGES)[code] ?? code;
 
 /**
  * @param {import("./store.js").Store} store
@@ -21,14 +20,14 @@ export function settingsPanel(store, link) {
   const show = () => {
     const c = store.controls;
     redraw(fields,
-      choice(say("robot_language"), c.languages?.length ? c.languages : Object.keys(LANGUAGES), c.language ?? "", named, (v) => set("language", v)),
+      choice(say("robot_language"), c.languages?.length ? c.languages : Object.keys(LANGUAGES), c.language ?? "", languageName, (v) => set("language", v)),
       choice(say("voice"), ["", ...(c.voices ?? [])], c.voice ?? "", (v) => v || say("best_voice"), (v) => set("voice", v)),
       choice(say("confirm"), c.confirms ?? CONFIRMS, c.confirm ?? "", (v) => sayOr(`confirm_${v}`, v), (v) => set("confirm", v)),
       flip(say("muted"), Boolean(c.muted), (on) => set("muted", on)));
   };
   for (const type of ["hello", "controls"]) store.on(type, show);
   onlyWithControl(store, fields);
-  const page = choice(say("page_language"), Object.keys(LANGUAGES), language(), named, chooseLanguage);
+  const page = choice(say("page_language"), Object.keys(LANGUAGES), language(), languageName, chooseLanguage);
   const leave = h("button", { type: "button" }, say("log_out"));
   const { element: sure, ask } = question(leave, () => say("log_out"), () =>
     fetch("/api/logout", { method: "POST" }).finally(() => location.reload()));

@@ -6,6 +6,8 @@ export const LANGUAGES = {
   id: "Bahasa Indonesia", it: "Italiano", ja: "日本語", nl: "Nederlands", pl: "Polski",
   pt: "Português", ru: "Русский", tr: "Türkçe", vi: "Tiếng Việt", zh: "中文",
 };
+/** @param {string} one @returns {string} */
+export const languageName = (one) => /** @type {Record<string, string>} */ (LANGUAGES)[one] ?? one;
 const KEPT = "edgevox-language";
 
 /** @type {Record<string, string>} */
