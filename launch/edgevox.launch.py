@@ -1,8 +1,10 @@
 """Start an agent with the body that `robot` names.
 
 Imports nothing of edgevox, which may live in another Python environment than `ros2 launch`. A
-launch file for one robot includes this one and sets `robot`.
+launch file for one robot runs this one and calls `agent_of`, so that --show-args shows its own.
 """
+
+from functools import partial
 
 from launch import LaunchContext, LaunchDescription
 from launch.actions import DeclareLaunchArgument, OpaqueFunction
@@ -12,7 +14,7 @@ from launch_ros.actions import Node
 ARGUMENTS = {
     "robot": "the body, as edgevox-agent calls it",
     "agent_namespace": "namespace of the ROS 2 node",
-    "language": "language to hear and speak, ISO 639-1 code",
+    "language": "language to hear and speak: an ISO 639-1 code, a tag or a locale",
     "state_hz": "publishing rate of robot_state, in hertz",
     "world": "world file of a 2D robot, in IR-SIM's YAML format",
     "model_source": "robot-humanoid: the robot model",
@@ -20,6 +22,8 @@ ARGUMENTS = {
     "seed": "random seed of the simulated world",
     "render": "show the robot in a window if there is a display",
     "robot_namespace": "robot-external: namespace of the robot's topics, such as /robot1",
+    "robot_file": "robot-external: YAML file that describes the robot: its limits, its"
+    " topics, and skills made from its ROS 2 interfaces",
     "locations": "robot-external: YAML file of named places",
     "policy": "YAML file that says who may command what, and within which limits",
     "audio_in": "microphone: a device's name, a WAV file or folder, ros2, or none",
@@ -48,6 +52,7 @@ FLAGS = {
     "mjcf": "--mjcf",
     "seed": "--seed",
     "robot_namespace": "--robot-namespace",
+    "robot_file": "--robot-file",
     "locations": "--locations",
     "policy": "--policy",
     "audio_in": "--audio-in",
@@ -68,16 +73,30 @@ TRUE, FALSE = ("true", "1", "yes", "on"), ("false", "0", "no", "off")
 
 def generate_launch_description() -> LaunchDescription:
     """The arguments, and the agent that they reach."""
+    return agent_of()
+
+
+def agent_of(robot: str = "") -> LaunchDescription:
+    """The agent of this robot, or of the one that the argument `robot` names."""
+    now = {old: new for new, old in OLD_NAMES.items()}
     arguments = [
         DeclareLaunchArgument(name, default_value=DEFAULTS.get(name, ""), description=about)
         for name, about in ARGUMENTS.items()
+        if not robot or (name != "robot" and _is_for(robot, ARGUMENTS[now.get(name, name)]))
     ]
-    return LaunchDescription([*arguments, OpaqueFunction(function=_agent)])
+    names = {argument.name for argument in arguments}
+    return LaunchDescription([*arguments, OpaqueFunction(function=partial(_agent, robot, names))])
 
 
-def _agent(context: LaunchContext) -> list[Node]:
+def _is_for(robot: str, about: str) -> bool:
+    """Whether an argument means something to this robot: one of another robot begins with that."""
+    whose, colon, _ = about.partition(":")
+    return not colon or not whose.startswith("robot-") or whose == robot
+
+
+def _agent(robot: str, names: set[str], context: LaunchContext) -> list[Node]:
     def value(name: str) -> str:
-        return _given(context, name)
+        return _given(context, name) if name in names else ""
 
     flags = [(flag, value(name)) for name, flag in FLAGS.items()]
     switches = [_switch(name, flag, value(name)) for name, flag in SWITCHES.items() if value(name)]
@@ -86,7 +105,7 @@ def _agent(context: LaunchContext) -> list[Node]:
             package="edgevox",
             executable="edgevox-agent",
             arguments=[
-                value("robot"),
+                robot or value("robot"),
                 "--ros2",
                 *switches,
                 *(f"{flag}={given}" for flag, given in flags if given),

@@ -1,21 +1,14 @@
 """Drive any ROS 2 robot, whose topics are in `robot_namespace`."""
 
+import runpy
 from pathlib import Path
 
 from launch import LaunchDescription
-from launch.actions import IncludeLaunchDescription
-from launch.launch_description_sources import PythonLaunchDescriptionSource
 
 AGENT = str(Path(__file__).with_name("edgevox.launch.py"))
 
 
 def generate_launch_description() -> LaunchDescription:
-    """The agent of edgevox.launch.py, with its arguments, for this robot."""
-    robot = {"robot": "robot-external"}
-    return LaunchDescription(
-        [
-            IncludeLaunchDescription(
-                PythonLaunchDescriptionSource(AGENT), launch_arguments=robot.items()
-            )
-        ]
-    )
+    """The agent of edgevox.launch.py, with the arguments that this robot has."""
+    description: LaunchDescription = runpy.run_path(AGENT)["agent_of"]("robot-external")
+    return description

@@ -61,6 +61,15 @@ VARIABLES: Mapping[str, str] = {
     "muted": "EDGEVOX_MUTED",
     "policy": "EDGEVOX_POLICY",
     "robotNamespace": "EDGEVOX_ROBOT_NAMESPACE",
+    "stt.endpoint": "EDGEVOX_STT_ENDPOINT",
+    "stt.endpointKeySecret": "EDGEVOX_STT_ENDPOINT_KEY_FILE",
+    "stt.endpointModel": "EDGEVOX_STT_ENDPOINT_MODEL",
+    "stt.endpointTimeoutSeconds": "EDGEVOX_STT_ENDPOINT_TIMEOUT",
+    "tts.endpoint": "EDGEVOX_TTS_ENDPOINT",
+    "tts.endpointKeySecret": "EDGEVOX_TTS_ENDPOINT_KEY_FILE",
+    "tts.endpointModel": "EDGEVOX_TTS_ENDPOINT_MODEL",
+    "tts.endpointTimeoutSeconds": "EDGEVOX_TTS_ENDPOINT_TIMEOUT",
+    "tts.endpointVoice": "EDGEVOX_TTS_ENDPOINT_VOICE",
     "voice": "EDGEVOX_VOICE",
     "wakeword": "EDGEVOX_WAKEWORD",
 }
@@ -95,6 +104,8 @@ OF_THE_TABLE += (
     "llm.endpointGrammar",
     "llm.endpointTimeoutSeconds",
     "llm.threads",
+    "stt.endpointTimeoutSeconds",
+    "tts.endpointTimeoutSeconds",
 )
 """Values whose words or bounds the schema takes from the table."""
 

@@ -10,10 +10,9 @@ from edgevox.agent.skills import Call, SkillSet
 from edgevox.agent.skills.arguments import check_arguments
 from edgevox.core.errors import InvalidValue
 from edgevox.robots.flat.apartment import ApartmentRobot
-from edgevox.robots.humanoid.skills import walking_skills
 from edgevox.robots.navigation import LOCATION, navigation_skills
 from edgevox.robots.panda.skills import manipulation_skills
-from edgevox.robots.relative_skills import driving_skills
+from edgevox.robots.relative_skills import driving_skills, walking_skills
 
 
 class Nobody:

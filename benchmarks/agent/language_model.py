@@ -13,9 +13,9 @@ from multiprocessing.connection import Connection
 from typing import Any
 
 from benchmarks.core.figures import Figure, Measured, NotHere
-from edgevox.agent.llm import tuning
-from edgevox.agent.llm.chat.grammar import grammar
+from edgevox.agent.llm import weights
 from edgevox.agent.llm.factory import load_model
+from edgevox.agent.llm.grammar import grammar
 from edgevox.agent.llm.language_model import CONTEXT_TOKENS, ChatMessage, LanguageModel, ModelFailed
 from edgevox.agent.nlu.interpreter import ANSWER_TOKENS, Interpreter
 from edgevox.agent.skills import NO_SKILLS
@@ -110,7 +110,7 @@ class Plain:
         self._grammar: Callable[[], Any] = lambda: llama_cpp.LlamaGrammar.from_string(
             grammar(NO_SKILLS), verbose=False
         )
-        threads = tuning.default_threads()
+        threads = weights.default_threads()
         self._llama = llama_cpp.Llama(
             str(locate(MODEL)),
             n_ctx=CONTEXT_TOKENS,

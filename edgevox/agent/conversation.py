@@ -11,6 +11,7 @@ from typing import Any, assert_never
 from edgevox.agent import inbox
 from edgevox.agent.agents import Agent, skills_of
 from edgevox.agent.dialogue.asking import Asking, Performer
+from edgevox.agent.dialogue.follow_up import FollowUps
 from edgevox.agent.dialogue.memory import LastDrive
 from edgevox.agent.dialogue.question import OpenQuestion
 from edgevox.agent.dialogue.skills import DialogueSkills
@@ -25,10 +26,9 @@ from edgevox.agent.policy import Guard
 from edgevox.agent.programs.keeper import Programs
 from edgevox.agent.programs.store import Timer
 from edgevox.agent.skills import STOP, Call, SkillSet
-from edgevox.agent.states import StateMachine
 from edgevox.agent.stop.stopping import Stopping
 from edgevox.agent.text.reasons import because
-from edgevox.agent.turn import InputTiming, Turn
+from edgevox.agent.turn import InputTiming, StateMachine, Turn
 from edgevox.core.bus import Bus
 from edgevox.core.clock import Clock, SystemClock
 from edgevox.core.commands import (
@@ -40,12 +40,13 @@ from edgevox.core.commands import (
     RunSkill,
     Speak,
     SpokenOn,
+    SpokenOver,
     StopSpotted,
     TextInput,
     Transcribing,
     Way,
 )
-from edgevox.core.events import Outcome, State, Transcribed, TurnEnded
+from edgevox.core.events import Cause, Outcome, State, Transcribed, TurnEnded
 from edgevox.core.files.text import MAX_CHARACTERS, clean
 from edgevox.core.log import bound, get_logger
 from edgevox.core.motion.interlock import Interlock
@@ -156,6 +157,7 @@ class Conversation:
         phonemes: Phonemes | None = None,
         known: Known = NOTHING_KNOWN,
         timer: Timer | None = None,
+        follow_up_s: float = 8.0,
     ) -> None:
         """Build the parts of a conversation; `start` starts its threads.
 
@@ -174,6 +176,8 @@ class Conversation:
             phonemes: Pronunciations, to recognise misheard words by their sounds.
             known: What the body knows of itself and its world, for answers and for programs.
             timer: Wakes programs at their time; a timer of its own by default.
+            follow_up_s: Seconds after a spoken answer in which a person may go on without the wake
+                word; 0 for never, not even to answer a question.
         """
         self._bus = bus
         self._clock = clock or SystemClock()
@@ -206,8 +210,13 @@ class Conversation:
         performer = Performer(interpreter, self._executor, self.programs, dialogue, last)
         self._question = OpenQuestion(bus, self._clock)
         self._asking = Asking(interpreter, performer, dialogue, self._question, confirm=confirm)
+        self.follow_ups = FollowUps(
+            self._question, self._asking.follows, self._clock, within_s=follow_up_s
+        )
+        interlock.on_stop(lambda _: self.follow_ups.close())
         self._numbers = itertools.count(1)
         self._turn: Turn | None = None
+        self._held: Turn | None = None
         self._speech_output = speech_output
         self._states = StateMachine(bus)
         self._handler = TurnHandler(
@@ -275,10 +284,15 @@ class Conversation:
         match command:
             case Interrupt(reason=reason, motion=motion, cause=cause):
                 self._stopping.interrupt(reason, cause, motion=motion)
+                self._release()
             case Reset():
                 self._stopping.reset()
             case StopSpotted() | SpokenOn():
                 self._stopping.heed(command)
+            case SpokenOver():
+                self._held = self._turn
+                if self._speech_output:
+                    self._speech_output.hold()
             case CancelProgram(program_id=program_id):
                 self.programs.forget_by_id(program_id, because("called_off"))
             case Transcribing():
@@ -362,11 +376,31 @@ class Conversation:
         if isinstance(words, Heard):
             mark = self._stopping.mark_of(words)
             try:
-                counts = self._stopping.counts(words)
+                goes_on = self._goes_on(words)
+                counts = self._stopping.counts(words) and not goes_on
             finally:
                 self._states.transcribed(words=counts)
         if counts and not self._stopping.hears(words):
             self._stopping.queue(words, mark)
+
+    def _goes_on(self, heard: Heard) -> bool:
+        """Let an answer that was held for these words go on, or end it; True if it goes on."""
+        if not heard.over:
+            return False
+        held, self._held = self._held, None
+        asks = held is not None and held.outcome is Outcome.ASKED
+        listens = not (asks or heard.spotted or self.is_stop(heard.text))
+        goes_on = listens and self._asking.encourages(heard.text)
+        if not goes_on and held is self._turn:
+            self._stopping.interrupt("spoken over", Cause.BARGE_IN, motion=False)
+        elif heard.text and goes_on:
+            self._bus.publish(Transcribed(clean(heard.text)))
+        self._release()
+        return goes_on
+
+    def _release(self) -> None:
+        if self._speech_output:
+            self._speech_output.release()
 
     def _work(self) -> None:
         while not self._inbox.closed:
@@ -404,6 +438,8 @@ class Conversation:
         turn.finish(measured=measured)
         self._question.said(turn)
         with self._inbox.gate:
+            if turn is self._stopping.last and not turn.token.cancelled:
+                self.follow_ups.open(asked=turn.outcome is Outcome.ASKED)
             self._turn = None
         self._states.rest()
         self._bus.publish(TurnEnded(turn.number, turn.outcome if measured else None, turn.tokens))

@@ -26,9 +26,10 @@ def written_folders(
 def needed_folders(
     settings: Settings, environment: Mapping[str, str] = os.environ
 ) -> tuple[Path, ...]:
-    """Return the folders of what is to be kept: places, sound, the console's own, recordings."""
+    """Return the folders of what is to be kept: places, sound, pictures, the console's own."""
     console = [console_folder(settings, environment), recordings_folder(settings, environment)]
-    kept = [settings.keep_audio.expanduser()] if settings.keep_audio else []
+    asked = (settings.keep_audio, settings.pictures)
+    kept = [one.expanduser() for one in asked if one]
     return (places_folder(settings, environment), *kept, *(console if settings.console else ()))
 
 
@@ -44,6 +45,13 @@ def recordings_folder(settings: Settings, environment: Mapping[str, str] = os.en
     if settings.console_recordings:
         return settings.console_recordings.expanduser()
     return console_folder(settings, environment) / "recordings"
+
+
+def pictures_folder(settings: Settings, environment: Mapping[str, str] = os.environ) -> Path:
+    """The folder of the pictures that are asked for: the settings', else beside the recordings."""
+    if settings.pictures:
+        return settings.pictures.expanduser()
+    return recordings_folder(settings, environment) / "pictures"
 
 
 def places_folder(settings: Settings, environment: Mapping[str, str] = os.environ) -> Path:

@@ -77,7 +77,7 @@ def listen(
     wakeword = open_wakeword(settings)
     if wakeword:
         stack.callback(wakeword.close)
-    stt, _ = open_hearing(stack, settings)
+    hearing = open_hearing(stack, settings)
     source = open_source(settings.audio_in, paced=live)
     stack.callback(source.close)
     if isinstance(source, Pushed):
@@ -89,10 +89,11 @@ def listen(
     stack.callback(view.close)
     bus.subscribe(WakeWordHeard, view.woken)
     stop_words = SafetyWords(settings.language)
+    hearing.stop_for(lambda text: stop_words.find(text) is not None)
     listener = Listener(
         source,
         HearingMeter(open_vad(), view.show),
-        stt,
+        hearing.stt,
         submit=view.command,
         bus=bus,
         language=lambda: settings.language,
@@ -100,6 +101,7 @@ def listen(
         audible=lambda: 0.0,
         wakeword=wakeword,
         is_stop=lambda text: stop_words.find(text) is not None,
+        stop_stt=hearing.stop_stt,
         stop_detector=spotter,
         echo="none",
         lossless=isinstance(source, WavFiles),

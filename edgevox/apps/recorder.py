@@ -33,6 +33,7 @@ from edgevox.core.settings import Settings, load_settings
 from edgevox.core.status import Components
 from edgevox.ops.health import Health
 from edgevox.ros2 import split_ros_args
+from edgevox.ros2.open import check_environment
 from edgevox.ros2.recordings import PREFIX, WhenFull, used_bytes
 from edgevox.scenario import Scenario, load_scenario, run_scenario
 from edgevox.scenario.run import StepResult, heading, line, summary
@@ -221,6 +222,7 @@ def _prepare(argv: Sequence[str], lost: list[str]) -> Callable[[], bool]:
             raise EdgeVoxError(f"{module}: got no module, expected {what}")
     if asked.mend:
         return lambda: _mend(asked.output)
+    check_environment(os.environ)
     secure_ros2("edgevox-recorder", asked.settings)
     scenario = load_scenario(asked.scenario) if asked.scenario else None
     from edgevox.ros2.recorder import choose_topics

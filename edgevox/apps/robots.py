@@ -13,12 +13,14 @@ from edgevox.agent.agents import Agent
 from edgevox.agent.phrases.load import ENGLISH, phrasebook
 from edgevox.agent.phrases.name_rules import check_skills
 from edgevox.agent.skills import Skill, SkillSet
-from edgevox.apps.folders import places_folder
+from edgevox.apps.folders import pictures_folder, places_folder
+from edgevox.core.bus import Bus
 from edgevox.core.errors import InvalidValue
 from edgevox.core.log import get_logger
 from edgevox.core.settings import Settings
 from edgevox.robots.capabilities import Body, RemembersPlaces, TellsAbout
 from edgevox.robots.node_handle import NodeHandle, OnRos2
+from edgevox.robots.pictures import Album, picture_skills
 from edgevox.robots.places.store import PlaceStore
 from edgevox.robots.plugin import installed_robots, robot_points
 from edgevox.robots.skill_packages import (
@@ -36,6 +38,8 @@ TALK_INSTRUCTIONS = (
     "You are EdgeVox, a voice agent that runs offline and has no robot at the moment. Be friendly"
     " and brief: one or two short sentences."
 )
+
+_MB = 1_000_000
 
 ROBOTS = installed_robots()
 """All of them, in the order in which they are listed."""
@@ -93,21 +97,30 @@ class RobotSkills:
     handle: "AgentNodeHandle | None" = None
 
 
-def gather_skills(body: Body | None, settings: Settings) -> RobotSkills:
+def gather_skills(body: Body | None, settings: Settings, bus: Bus | None = None) -> RobotSkills:
     """The skills of a body that is not started, and of the packages that `settings.skills` chooses.
 
-    Raises `InvalidValue` for a package that is not installed.
+    The bus hears of the pictures that it takes. Raises `InvalidValue` for a package that is not
+    installed.
     """
     if body is None:
         return RobotSkills()
+    own = (*body.skills, *_pictures(body, settings, bus or Bus()))
     points = chosen_skills(settings.skills, installed_skills())
     if not points:
-        return RobotSkills(body.skills)
+        return RobotSkills(own)
     warn_of_namesakes(points)
     handle = None if isinstance(body, OnRos2) or not settings.ros2 else open_node_handle()
     ros: NodeHandle | None = body.ros if isinstance(body, OnRos2) else handle
     brought = brought_skills(points, body, settings, ros)
-    return RobotSkills((*body.skills, *_sound(brought, body.skills)), handle)
+    return RobotSkills((*own, *_sound(brought, own)), handle)
+
+
+def _pictures(body: Body, settings: Settings, bus: Bus) -> tuple[Skill, ...]:
+    """The skill that takes pictures, unless the body has its own of that name."""
+    album = Album(pictures_folder(settings), settings.pictures_mb * _MB)
+    taken = {one.name for one in body.skills}
+    return tuple(one for one in picture_skills(body, album, bus.publish) if one.name not in taken)
 
 
 def about_packages() -> str:

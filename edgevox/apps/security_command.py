@@ -18,8 +18,7 @@ from edgevox.apps.run_program import run_program
 from edgevox.apps.streams import show, with_streams
 from edgevox.core.errors import EdgeVoxError, InvalidValue, install_extra
 from edgevox.core.settings import check_settings
-from edgevox.security.documents import LAST_DOMAIN
-from edgevox.security.startup import domain_of
+from edgevox.ros2.open import LAST_DOMAIN, domain_of
 
 if TYPE_CHECKING:
     from edgevox.security.keystore import Keystore

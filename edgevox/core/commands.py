@@ -77,6 +77,8 @@ class Heard:
     """Other words that may have been said, the likeliest first."""
     began_s: float | None = None
     """The clock's time of the first voiced sample; None counts as `ended_s`."""
+    over: bool = False
+    """True if the robot holds its answer for these words, since `SpokenOver`."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -90,6 +92,15 @@ class StopSpotted:
     goes_on: bool = False
     """True if the utterance is not over. A `Heard` with `spotted` then follows, and the robot waits
     for it before it says that it stopped, so that it does not talk over the person."""
+
+
+@dataclass(frozen=True, slots=True)
+class SpokenOver:
+    """A person began to speak while the robot speaks, who may only say "mm-hm".
+
+    The robot holds its answer. A `Heard` with `over` follows, whose words tell whether it goes on,
+    or an `Interrupt`.
+    """
 
 
 @dataclass(frozen=True, slots=True)
@@ -179,6 +190,7 @@ ConversationCommand = (
     | Heard
     | StopSpotted
     | SpokenOn
+    | SpokenOver
     | Speak
     | Interrupt
     | Reset

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from edgevox.core.bus import Bus
 from edgevox.core.errors import InvalidValue
 from edgevox.core.events import ControlChanged
-from edgevox.core.languages import LANGUAGES
+from edgevox.core.languages import language_code
 from edgevox.core.settings import CONFIRM, Confirm
 
 Value = str | bool
@@ -73,9 +73,11 @@ class Controls:
     def check(self, wanted: Mapping[str, Value]) -> dict[str, Value]:
         """All values after the change. Raises `InvalidValue` if one cannot be honoured."""
         values = {**self._values, **wanted}
-        language, voice = str(values["language"]), str(values["voice"])
-        if language not in LANGUAGES:
-            raise InvalidValue("language", language, "one of " + ", ".join(LANGUAGES))
+        voice = str(values["voice"])
+        try:
+            language = values["language"] = language_code(str(values["language"]))
+        except ValueError as error:
+            raise InvalidValue("language", values["language"], str(error)) from None
         if language != self._values["language"] and (why := self._deafness(language)):
             raise InvalidValue("language", language, f"one that can be heard here: {why}")
         if not isinstance(values["muted"], bool):

@@ -152,6 +152,16 @@ class RobotState:
 
 
 @dataclass(frozen=True, slots=True)
+class PictureTaken:
+    """The robot took a picture, because it was asked to."""
+
+    png: bytes
+    """The picture as a PNG file."""
+    file: str
+    """The file that keeps it; empty where it cannot be kept."""
+
+
+@dataclass(frozen=True, slots=True)
 class ControlChanged:
     """A control that can change at run time changed: `language`, `voice`, `muted` or `confirm`."""
 
@@ -198,6 +208,7 @@ Event = (
     | TurnMeasured
     | AgentEvent
     | RobotState
+    | PictureTaken
     | ControlChanged
     | Answered
     | TurnEnded

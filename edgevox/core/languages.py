@@ -213,3 +213,11 @@ def _language(code: str) -> Language:
 
 LANGUAGES: Mapping[str, Language] = ByLanguage(_language)
 """Language by ISO 639-1 code."""
+
+
+def language_code(tag: str) -> str:
+    """The code of a language's tag or locale, such as de-DE or pt_BR.UTF-8. Raises `ValueError`."""
+    code = re.split(r"[-_.@]", tag.strip(), maxsplit=1)[0].lower()
+    if code not in LANGUAGES:
+        raise ValueError("one of " + ", ".join(LANGUAGES))
+    return code

@@ -28,22 +28,17 @@ from pydantic_settings import (
 from edgevox.core.errors import EdgeVoxError, InvalidValue
 from edgevox.core.files.user_file import read_text
 from edgevox.core.files.validation import dotted, explain
-from edgevox.core.languages import LANGUAGES
+from edgevox.core.languages import language_code
 from edgevox.core.transforms import PREFIX_EXPECTED, OdomFrame, is_prefix
 
 _NAMESPACE = re.compile(r"(/[A-Za-z_][A-Za-z0-9_]*)+|/")
 _HOST = r"(\[[0-9A-Fa-f:.]+\]|[A-Za-z0-9._-]+)"
 _ENDPOINT = re.compile(rf"https?://{_HOST}(:[0-9]{{1,5}})?(/[\w./~-]*)?")
+_WYOMING = re.compile(rf"(tcp|wyoming)://{_HOST}:[0-9]{{1,5}}/?")
 _SERVICES = re.compile(
     r"(?<=.)/(chat/completions|completions|models|audio/transcriptions|audio/speech)/?$"
 )
 """What people copy with the address: the service that EdgeVox adds by itself."""
-
-
-def _known_language(code: str) -> str:
-    if code not in LANGUAGES:
-        raise ValueError("one of " + ", ".join(LANGUAGES))
-    return code
 
 
 def _valid_namespace(namespace: str) -> str:
@@ -77,7 +72,17 @@ def _valid_endpoint(url: str) -> str:
     return plain
 
 
-LanguageCode = Annotated[str, AfterValidator(_known_language)]
+def _valid_speech_endpoint(url: str) -> str:
+    plain = _plain_address(url)
+    if plain and not (_ENDPOINT.fullmatch(plain) or _WYOMING.fullmatch(plain)):
+        raise ValueError(
+            "the address of a server such as http://speech.example:8000 (OpenAI audio API) or"
+            " tcp://speech.example:10300 (Wyoming); its key stands in a file of its own"
+        )
+    return plain
+
+
+LanguageCode = Annotated[str, AfterValidator(language_code)]
 """The code of a language of the catalogue."""
 RosNamespace = Annotated[str, AfterValidator(_valid_namespace)]
 """A ROS 2 namespace, made absolute."""
@@ -85,6 +90,8 @@ FramePrefix = Annotated[str, AfterValidator(_valid_prefix)]
 """A prefix for the names of frames."""
 Endpoint = Annotated[str, AfterValidator(_valid_endpoint)]
 """The address of a server, without a key; empty for none."""
+SpeechEndpoint = Annotated[str, AfterValidator(_valid_speech_endpoint)]
+"""The address of a server that hears or speaks, by HTTP or Wyoming; empty for none."""
 
 
 ENV_PREFIX = "EDGEVOX_"
@@ -162,7 +169,9 @@ class Settings(BaseSettings):
     written: ClassVar[Mapping[str, Any]] = {}
     """The contents of the TOML file."""
 
-    language: LanguageCode = Field("en", description="language to hear and speak, ISO 639-1 code")
+    language: LanguageCode = Field(
+        "en", description="language to hear and speak: an ISO 639-1 code, a tag or a locale"
+    )
     voice: str = Field("", description="text-to-speech voice; empty chooses by the language")
     muted: bool = Field(False, description="mute the microphone")
     confirm: Confirm = Field(
@@ -222,6 +231,18 @@ class Settings(BaseSettings):
         description="folder of the places that you tell the robot to remember; default:"
         " edgevox in $XDG_STATE_HOME, or in ~/.local/state",
     )
+    pictures: Path | None = Field(
+        None,
+        description="folder of the pictures that you tell the robot to take; no other robot may use"
+        " it; default: pictures in the folder of the console's recordings",
+    )
+    pictures_mb: int = Field(
+        50,
+        ge=1,
+        le=10_000_000,
+        description="size limit of all these pictures together, in megabytes; the oldest are"
+        " deleted",
+    )
     plugins: Path | None = Field(
         None,
         description="folder of plug-in packages (wheels or folders) with robots and"
@@ -252,6 +273,13 @@ class Settings(BaseSettings):
         "",
         description="listen only after this wake word, such as 'hey jarvis', or a"
         " microWakeWord .json file; empty: always listen",
+    )
+    follow_up_s: float = Field(
+        8.0,
+        ge=0.0,
+        le=60.0,
+        description="seconds after a spoken answer in which the same person may go on without"
+        " the wake word; 0: never, not even to answer a question of the robot",
     )
     keep_audio: Path | None = Field(
         None,
@@ -298,6 +326,39 @@ class Settings(BaseSettings):
     )
     llm_endpoint_grammar: GrammarDialect = Field(
         "auto", description="how the server accepts a grammar; auto asks the server what it is"
+    )
+    stt_endpoint: SpeechEndpoint = Field(
+        "",
+        description="server to transcribe speech before the model on board: the OpenAI audio API"
+        " (http://speech:8000) or Wyoming (tcp://speech:10300); empty: none",
+    )
+    stt_endpoint_model: str = Field(
+        "", description="model to ask that server for; empty: the first that transcribes"
+    )
+    stt_endpoint_timeout: float = Field(
+        3.0, ge=0.1, le=60.0, description="longest wait for the server's transcript, in seconds"
+    )
+    stt_endpoint_key_file: Path | None = Field(
+        None, description="file with that server's API key; read again for every request"
+    )
+    tts_endpoint: SpeechEndpoint = Field(
+        "",
+        description="server to speak before the voice on board: the OpenAI audio API"
+        " (http://speech:8000) or Wyoming (tcp://speech:10200); empty: none",
+    )
+    tts_endpoint_model: str = Field(
+        "", description="model to ask that server for; empty: the first that speaks"
+    )
+    tts_endpoint_voice: str = Field(
+        "",
+        description="voice of that server, or one for each language (en=amy, de=thorsten);"
+        " empty: its first for the language",
+    )
+    tts_endpoint_timeout: float = Field(
+        3.0, ge=0.1, le=60.0, description="longest wait for the server's next sound, in seconds"
+    )
+    tts_endpoint_key_file: Path | None = Field(
+        None, description="file with that server's API key; read again for every request"
     )
     health_port: int = Field(
         0, ge=0, le=65535, description="serve /live and /ready over HTTP on this port; 0: off"

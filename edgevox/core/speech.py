@@ -55,3 +55,25 @@ class TextToSpeech(Protocol):
 
         `on_audible` is called once, on the playback thread, when its first sample is played.
         """
+
+    def hold(self) -> None:
+        """Fall silent within 0.1 s, for 5 s or until `release`, if an utterance plays. Any thread.
+
+        The next utterance is not held.
+        """
+
+    def release(self) -> None:
+        """Speak on, from a pause shortly before the point where it was held. Any thread."""
+
+
+class FollowUp(Protocol):
+    """Tells which words are for the robot although they have no wake word. Any thread may ask."""
+
+    def awaits(self, began_s: float, ended_s: float) -> bool:
+        """True if words with these times, of the clock, may answer or follow what the robot said.
+
+        It is asked before their transcript exists.
+        """
+
+    def takes(self, text: str, confidence: float, began_s: float, ended_s: float) -> bool:
+        """True if these words do so. `confidence` is that of the transcript, from 0 to 1."""

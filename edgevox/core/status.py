@@ -34,6 +34,15 @@ def fault_of(thing: object) -> str:
     return thing.fault if isinstance(thing, ReportsFault) else ""
 
 
+@runtime_checkable
+class ReportsDoubts(Protocol):
+    """A part that does its work, and knows what is not as it should be."""
+
+    @property
+    def doubts(self) -> Sequence[str]:
+        """Each in a few words. From any thread."""
+
+
 LATELY_S = 10.0
 """Seconds for which an event is shown as a fault; its count stays."""
 

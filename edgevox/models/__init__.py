@@ -5,8 +5,7 @@ Imports core only. `locate` is what the rest of EdgeVox needs; `edgevox-models` 
 
 from edgevox.models.fetch import fetch
 from edgevox.models.manifest import UnknownModel
-from edgevox.models.model_errors import FetchFailed, ModelMissing, StoreNotWritable
-from edgevox.models.store import Store, locate
+from edgevox.models.store import FetchFailed, ModelMissing, Store, StoreNotWritable, locate
 
 __all__ = [
     "FetchFailed",

@@ -17,14 +17,11 @@ from edgevox.models.manifest import (
     NpmSource,
     WheelSource,
 )
-from edgevox.models.model_errors import FetchFailed, SourceFailed, StoreNotWritable
 from edgevox.models.sources import Provider
-from edgevox.models.sources.git import Git
 from edgevox.models.sources.hub import Hub
-from edgevox.models.sources.npm import Npm
-from edgevox.models.sources.tools import Folder
+from edgevox.models.sources.tools import Folder, Git, Npm
 from edgevox.models.sources.wheel import Wheels
-from edgevox.models.store import Store
+from edgevox.models.store import FetchFailed, SourceFailed, Store, StoreNotWritable
 
 OFFLINE_VARIABLE = "EDGEVOX_OFFLINE"
 FORBIDDEN = f"not the network: {OFFLINE_VARIABLE} or --offline forbids it"

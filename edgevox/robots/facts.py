@@ -19,20 +19,19 @@ from edgevox.core.transforms import Pose2D
 from edgevox.robots.capabilities import (
     Body,
     HasBattery,
-    HasCamera,
     HasEndEffector,
     HasLidar,
     HasPlaces,
     HasPose,
     LidarScan,
     MeasuresWays,
-    ReceivesPictures,
     RemembersPlaces,
     TakesVelocity,
     TellsFacts,
     TellsMotions,
     TellsStalls,
 )
+from edgevox.robots.pictures import has_camera, no_camera
 
 _STALLED_S = 1.0
 """A world that has stood still for this long may hold the lock that guards its battery."""
@@ -52,6 +51,8 @@ def facts_of(body: Body) -> tuple[Skill, ...]:
     facts = [*own, *_places(body), *_motion(body), *_senses(body)]
     if not isinstance(body, HasBattery):
         facts.append(_no_battery())
+    if not has_camera(body):
+        facts.append(no_camera())
     return tuple(sorted(facts, key=lambda one: bool(one.new_names)))
 
 
@@ -273,7 +274,7 @@ def _senses(body: Body) -> Sequence[Skill]:
     def what_do_you_see(goal: GoalHandle) -> Result:
         """Say with what the robot perceives its world."""
         goal.token.check()
-        camera = isinstance(body, HasCamera | ReceivesPictures)
+        camera = has_camera(body)
         lidar = isinstance(body, HasLidar)
         return {
             "camera": camera and not lidar,

@@ -18,7 +18,7 @@ from typing import Annotated, Any
 from pydantic import BeforeValidator, WithJsonSchema
 
 from edgevox.agent.phrases.name_rules import bare_name, check_name, is_clause_word, name_clash
-from edgevox.agent.skills.choices import OwnName
+from edgevox.agent.skills.skill import OwnName
 from edgevox.core.errors import InvalidValue
 from edgevox.core.files.validation import Place, wrong
 from edgevox.core.languages import LANGUAGES

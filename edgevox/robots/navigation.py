@@ -9,7 +9,7 @@ from typing import Annotated, Protocol, runtime_checkable
 from pydantic import Field
 
 from edgevox.agent.skills import Example, GoalHandle, OneOf, Result, Skill, SkillFailed, skill
-from edgevox.agent.skills.choices import MOST_HINTS, OwnNames
+from edgevox.agent.skills.skill import MOST_HINTS, OwnNames
 from edgevox.agent.text.reasons import because, called_off
 from edgevox.core.cancel import CancelToken
 from edgevox.core.transforms import Pose2D, turn_between

@@ -1,6 +1,7 @@
 """Skills that go by an amount from where the body stands: some degrees round, some metres straight.
 
-`turning_skills` are the same for legs and wheels, `driving_skills` are for wheels.
+`turning_skills` are the same for legs and wheels, `driving_skills` are for wheels, `walking_skills`
+for legs.
 """
 
 import math
@@ -9,7 +10,7 @@ from typing import Annotated, Protocol
 from pydantic import Field
 
 from edgevox.agent.skills import GoalHandle, Result, Skill, SkillFailed, skill
-from edgevox.agent.text.reasons import because
+from edgevox.agent.text.reasons import because, called_off
 from edgevox.core.cancel import CancelToken
 from edgevox.core.transforms import Pose2D, distance_on_floor, turn_between
 from edgevox.robots.capabilities import Body, HasPose, Report
@@ -122,3 +123,81 @@ def _turn(body: TurningBody, goal: GoalHandle, degrees: float) -> Result:
     body.turn(math.radians(degrees), token=goal.token, report=goal.report)
     off = turn_between(math.radians(degrees), body.pose().yaw_rad - before.yaw_rad)
     return {**where(body.pose()), "turned": round(abs(degrees + math.degrees(off)), 1)}
+
+
+class WalkingBody(TurningBody, Protocol):
+    """The methods that the skills of walking need."""
+
+    def walk(self, distance_m: float, *, token: CancelToken, report: Report) -> None:
+        """Block until it stands that far ahead, or back if negative. Raises `SkillFailed`."""
+
+    def stand(self, *, token: CancelToken, report: Report) -> bool:
+        """Block until it stands; True if it lay on the floor and was put upright."""
+
+
+def walking_skills(body: WalkingBody) -> tuple[Skill, ...]:
+    """`walk_forward`, `walk_backward`, `turn_left`, `turn_right`, `turn_around`, and the rest."""
+    return (
+        _walk_forward(body),
+        _walk_backward(body),
+        *turning_skills(body),
+        _stand(body),
+        _stop(body),
+        _get_pose(body),
+    )
+
+
+def _walk_forward(body: WalkingBody) -> Skill:
+    @skill(relative=True)
+    def walk_forward(goal: GoalHandle, distance: Distance = 1.0) -> Result:
+        """Walk straight ahead for a distance in metres."""
+        return _walk(body, goal, distance)
+
+    return walk_forward
+
+
+def _walk_backward(body: WalkingBody) -> Skill:
+    @skill(relative=True, towards_rad=math.pi)
+    def walk_backward(goal: GoalHandle, distance: Distance = 1.0) -> Result:
+        """Walk straight back for a distance in metres."""
+        return _walk(body, goal, -distance)
+
+    return walk_backward
+
+
+def _stand(body: WalkingBody) -> Skill:
+    @skill()
+    def stand(goal: GoalHandle) -> Result:
+        """Stand still; after a fall, get up again."""
+        got_up = body.stand(token=goal.token, report=goal.report)
+        return {**where(body.pose()), "got_up": got_up}
+
+    return stand
+
+
+def _stop(body: WalkingBody) -> Skill:
+    @skill(entry="stop_walking")
+    def stop(goal: GoalHandle) -> Result:
+        """Stop walking at once."""
+        goal.token.check()
+        return {"was_moving": body.halt(str(called_off("stop_asked")))}
+
+    return stop
+
+
+def _get_pose(body: WalkingBody) -> Skill:
+    @skill(entry="get_pose_walking", moves=False)
+    def get_pose(goal: GoalHandle) -> Result:
+        """Say where the robot is, which way it looks, and whether it has fallen."""
+        goal.token.check()
+        fallen = bool(body.state()["fallen"])
+        return {**where(body.pose()), "fallen": fallen, "upright": not fallen}
+
+    return get_pose
+
+
+def _walk(body: WalkingBody, goal: GoalHandle, distance_m: float) -> Result:
+    before = body.pose()
+    body.walk(distance_m, token=goal.token, report=goal.report)
+    after = body.pose()
+    return {**where(body.pose()), "walked": round(distance_on_floor(before, after), 3)}

@@ -22,6 +22,7 @@ from edgevox.core.status import (
     HealthCheck,
     Level,
     RecentIncrease,
+    ReportsDoubts,
     Status,
     fault_of,
     moves,
@@ -100,6 +101,8 @@ class SimComponent:
         battery = body.battery() if isinstance(body, HasBattery) and not found else None
         if fault := fault_of(body):
             found.append(Finding(Level.ERROR, fault))
+        if isinstance(body, ReportsDoubts):
+            found += [Finding(Level.WARN, doubt) for doubt in body.doubts]
         if isinstance(body, RemembersPlaces) and (fault := body.place_memory.fault):
             found.append(Finding(Level.WARN, fault))
         if self._breaking.grew(breaks):

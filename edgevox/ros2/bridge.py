@@ -10,7 +10,7 @@ of a domain, so a listener would take two robots for one.
 The node's parameters are the settings that topics can change, seen and changed as parameters.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import partial
 from typing import Any, Protocol, runtime_checkable
 
@@ -31,9 +31,11 @@ from edgevox.core.log import get_logger
 from edgevox.core.status import Component, Components, Status
 from edgevox.robots.capabilities import Body
 from edgevox.robots.node_handle import OnRos2
+from edgevox.robots.pictures import has_camera
 from edgevox.ros2.backlog import Backlog
 from edgevox.ros2.contract import DIAGNOSTICS, PARAMETERS, QUERIES, Queries, answer_json
 from edgevox.ros2.interop import Interop
+from edgevox.ros2.interop.frames import CAMERA_OPTICAL
 from edgevox.ros2.logs import Rosout
 from edgevox.ros2.messages import profile
 from edgevox.ros2.node import RosBridgeFailed, RosNode
@@ -41,7 +43,7 @@ from edgevox.ros2.open import BridgeContext, ExecutorComponent, ExecutorCounts
 from edgevox.ros2.presence import Presence
 from edgevox.ros2.skill_action import open_skill_action
 from edgevox.ros2.ticker import MakeTicker, Ticker
-from edgevox.ros2.topics import Topics
+from edgevox.ros2.topics import PicturePublisher, Topics
 
 log = get_logger(__name__)
 
@@ -120,6 +122,9 @@ def declare(node: Node, values: Mapping[str, Value]) -> dict[str, Value]:
     return {row.name: node.get_parameter(row.name).value for row in PARAMETERS}
 
 
+_CONTROLS = ("language", "voice", "muted", "confirm")
+
+
 class Parameters:
     """Keeps ROS 2 parameters and EdgeVox's controls equal, whichever side changes.
 
@@ -146,18 +151,22 @@ class Parameters:
         return SetParametersResult(successful=True)
 
     def _apply(self, changed: Sequence[RosParameter]) -> None:
-        """Make the change; show what counts where that cannot be done any more since the check."""
+        """Make the change, and show what counts: it may be refused since the check, or reworded."""
         wanted = _controls_of(changed)
         try:
             self._controls.change(wanted)
         except InvalidValue as error:
             log.warning("parameter_not_applied", reason=str(error))
-            for name in wanted:
-                self._executor.create_task(self._show, name)
+        self.show(wanted)
 
     def _follow(self, event: ControlChanged) -> None:
-        """Show a change that came another way; on the node's own thread, as rclpy wants it."""
-        self._executor.create_task(self._show, event.name)
+        """Show a change that came another way."""
+        self.show((event.name,))
+
+    def show(self, names: Iterable[str]) -> None:
+        """Show what counts, soon: on the node's own thread, as rclpy wants it."""
+        for name in names:
+            self._executor.create_task(self._show, name)
 
     def _show(self, name: str) -> None:
         """Show the value that counts now: it may have changed again since the event."""
@@ -167,8 +176,7 @@ class Parameters:
 
 
 def _controls_of(parameters: Sequence[RosParameter]) -> dict[str, Value]:
-    ours = {"language", "voice", "muted", "confirm"}
-    return {one.name: one.value for one in parameters if one.name in ours}
+    return {one.name: one.value for one in parameters if one.name in _CONTROLS}
 
 
 class BridgePart(Protocol):
@@ -255,10 +263,7 @@ class RosBridge:
         values = declare(
             node,
             {
-                "language": controls.language,
-                "voice": controls.voice,
-                "muted": controls.muted,
-                "confirm": controls.confirm,
+                **{name: getattr(controls, name) for name in _CONTROLS},
                 **{
                     row.name: getattr(context.settings, row.name)
                     for row in PARAMETERS
@@ -266,15 +271,17 @@ class RosBridge:
                 },
             },
         )
-        controls.change({name: values[name] for name in ("language", "voice", "muted", "confirm")})
+        controls.change({name: values[name] for name in _CONTROLS})
         robot = context.body.name if context.body else ""
         self._presence = Presence(node, robot, context.interlock, self._ticker)
         backlog = Backlog(node, context.interlock)
+        parameters = Parameters(node, self._node.executor, controls, bus)
+        parameters.show(_CONTROLS)
         self._parts = [
             backlog,
             self._presence,
             Rosout(node, self._ticker),
-            Parameters(node, self._node.executor, controls, bus),
+            parameters,
             Topics(node, context, self._ticker, backlog),
             QueryServices(node, context.queries),
         ]
@@ -286,6 +293,10 @@ class RosBridge:
             self._parts.append(context.handle)
         if context.goals and (action := open_skill_action(node, bus, context.goals, backlog)):
             self._parts.append(action)
+        if context.body and has_camera(context.body):
+            own = not isinstance(context.body, OnRos2)  # else its camera's frame is not known
+            frame = f"{values['frame_prefix']}{CAMERA_OPTICAL}" if own else ""
+            self._parts.append(PicturePublisher(node, bus, frame))
         if context.body and not isinstance(context.body, OnRos2):  # it has its own topics
             self._parts.append(self._interop(context, context.body, values, backlog))
 

@@ -123,6 +123,13 @@ class StandardTopic:
     about: str
     needs: str
     rate_hz: float = 0.0
+    also: tuple[str, ...] = ()
+    """Types that a robot may have there in place of `type`."""
+
+    @property
+    def types(self) -> tuple[str, ...]:
+        """All types that EdgeVox can use there, the usual one first."""
+        return (self.type, *self.also)
 
 
 @dataclass(frozen=True, slots=True)

@@ -15,6 +15,8 @@ import time
 from pathlib import Path
 from typing import Any
 
+from edgevox.ros2.open import check_environment, installed_middlewares
+
 INTERFACES = ("edgevox_msgs.action", "edgevox_msgs.msg", "tf2_msgs.msg", "diagnostic_msgs.msg")
 TRY_S = 10.0
 EVERY_S = 0.05
@@ -23,10 +25,11 @@ TRIPS = 5
 
 def middleware() -> dict[str, Any]:
     """Report whether rclpy is installed and the environment's middleware loads."""
-    facts = {"missing": "", "failed": "", "middleware": "", "installed": _installed()}
+    facts = {"missing": "", "failed": "", "middleware": "", "installed": installed_middlewares()}
     if importlib.util.find_spec("rclpy") is None:
         return facts | {"missing": "no module rclpy"}
     try:
+        check_environment(os.environ)
         from rclpy.context import Context
         from rclpy.utilities import get_rmw_implementation_identifier
 
@@ -151,12 +154,6 @@ def _imports(name: str) -> bool:
     except ImportError:
         return False
     return True
-
-
-def _installed() -> list[str]:
-    prefixes = [sys.prefix, *os.environ.get("AMENT_PREFIX_PATH", "").split(os.pathsep)]
-    folders = (Path(p, "share/ament_index/resource_index/rmw_typesupport") for p in prefixes if p)
-    return sorted({file.name for one in folders if one.is_dir() for file in one.iterdir()})
 
 
 SECURITY = b"dds.sec.auth.builtin.PKI-DH"

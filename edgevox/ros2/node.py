@@ -27,7 +27,7 @@ import os
 import sys
 import threading
 from collections import deque
-from collections.abc import MutableMapping, Sequence
+from collections.abc import Callable, MutableMapping, Sequence
 from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
@@ -213,8 +213,10 @@ class RosNode:
         choose_profile()
         self._context = Context()
         self._lines = RcutilsStream() if is_set_up() else None
+        quiet = ["--ros-args", "--disable-stdout-logs"] if self._lines else []
+        self._ros_args = [*(ros_args or sys.argv), *quiet]
         try:
-            self._init(list(ros_args) or sys.argv)
+            self._init()
             self.node = QuietNode(name, namespace=namespace, context=self._context)
             LoggerLevels(self.node)
             self.executor = SingleThreadedExecutor(context=self._context)
@@ -263,15 +265,36 @@ class RosNode:
         begun = self._thread.ident is not None and not self._closing.is_set()
         return self._heartbeat.lag_s if begun else 0.0
 
+    def beside(self, name: str) -> tuple[Node, Callable[[], None]]:
+        """Make a node that only publishes, in a context of its own; returns it and what ends it.
+
+        Its names are not remapped. A name that begins with an underscore is hidden.
+        """
+        context = Context()
+        context.init(self._ros_args)
+        node = Node(
+            name,
+            namespace=self.node.get_namespace(),
+            context=context,
+            use_global_arguments=False,
+            enable_rosout=False,
+            start_parameter_services=False,
+        )
+
+        def leave() -> None:
+            node.destroy_node()
+            context.try_shutdown()
+
+        return node, leave
+
     def _beat(self) -> None:
         self._heartbeat.beat()
         self.node.look()
 
-    def _init(self, ros_args: list[str]) -> None:
+    def _init(self) -> None:
         """Start the context; ROS 2 writes no lines of its own if EdgeVox's go to one stream."""
-        quiet = ["--ros-args", "--disable-stdout-logs"] if self._lines else []
-        self._context.init([*ros_args, *quiet])
-        apply_log_levels(ros_args)
+        self._context.init(self._ros_args)
+        apply_log_levels(self._ros_args)
         if self._lines:
             self._lines.open()
 

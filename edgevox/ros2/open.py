@@ -1,11 +1,16 @@
 """EdgeVox's side of the bridge, and how the bridge is opened.
 
-Where there is no ROS 2, `NullBridge` stands in for it. Also here: the bridge's own status, of the
-components `executor` and `presence`. Does not import rclpy.
+Where there is no ROS 2, `NullBridge` stands in for it. Also here: what the environment must say for
+rclpy to work, and the bridge's own status, of the components `executor` and `presence`. Does not
+import rclpy.
 """
 
+import importlib.util
+import os
+import sys
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
+from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Protocol
 
@@ -14,7 +19,7 @@ from edgevox.core.bus import Bus
 from edgevox.core.clock import Clock
 from edgevox.core.commands import Submit
 from edgevox.core.controls import Controls
-from edgevox.core.errors import EdgeVoxError
+from edgevox.core.errors import EdgeVoxError, InvalidValue
 from edgevox.core.motion.interlock import Interlock
 from edgevox.core.settings import Settings
 from edgevox.core.status import (
@@ -186,11 +191,43 @@ class NullBridge:
         """Do nothing."""
 
 
+DOMAIN, MIDDLEWARE = "ROS_DOMAIN_ID", "RMW_IMPLEMENTATION"
+LAST_DOMAIN = 232
+"""The last for which DDS has ports."""
+
+
+def installed_middlewares() -> list[str]:
+    """The middlewares of ROS 2 that this environment can load, by its ament index."""
+    prefixes = [sys.prefix, *os.environ.get("AMENT_PREFIX_PATH", "").split(os.pathsep)]
+    folders = [Path(p, "share/ament_index/resource_index/rmw_typesupport") for p in prefixes if p]
+    names = {file.name for folder in folders if folder.is_dir() for file in folder.iterdir()}
+    return sorted(names - {"rmw_implementation"})  # which loads one of the others
+
+
+def domain_of(environment: Mapping[str, str]) -> int:
+    """The domain of ROS 2's graph that is asked for. Raises `InvalidValue`."""
+    said = environment.get(DOMAIN) or "0"
+    if not (said.isascii() and said.isdecimal()) or int(said) > LAST_DOMAIN:
+        raise InvalidValue(DOMAIN, said, f"a whole number from 0 to {LAST_DOMAIN}")
+    return int(said)
+
+
+def check_environment(environment: Mapping[str, str]) -> None:
+    """Raise `InvalidValue` for what rclpy would end the process for as soon as it is imported."""
+    if importlib.util.find_spec("rclpy") is None:
+        return
+    domain_of(environment)
+    asked, here = environment.get(MIDDLEWARE, ""), installed_middlewares()
+    if asked and here and asked not in here:
+        raise InvalidValue(MIDDLEWARE, asked, f"one that is installed: {', '.join(here)}")
+
+
 def open_bridge(context: BridgeContext, ros_args: Sequence[str] = ()) -> Bridge:
     """A bridge on real ROS 2, or a `NullBridge` where rclpy cannot be imported.
 
     Raises `EdgeVoxError` where rclpy is here but does not work: no robot is silent in secret.
     """
+    check_environment(os.environ)
     try:
         import rclpy  # noqa: F401 - first, so that it is missing by its own name
 

@@ -64,6 +64,14 @@ INTEROP: tuple[StandardTopic, ...] = (
         5.0,
     ),
     StandardTopic(
+        "picture",
+        "sensor_msgs/msg/CompressedImage",
+        "out",
+        latched(1),
+        "the last picture that was asked for, PNG",
+        "a camera",
+    ),
+    StandardTopic(
         "cmd_vel",
         "geometry_msgs/msg/Twist",
         "in",
@@ -108,6 +116,7 @@ EXTERNAL: tuple[StandardTopic, ...] = (
         lossy(1),
         "obstacles ahead make it wait",
         "optional",
+        also=("sensor_msgs/msg/PointCloud2",),
     ),
     StandardTopic(
         "camera/image_raw",
@@ -116,6 +125,7 @@ EXTERNAL: tuple[StandardTopic, ...] = (
         lossy(1),
         "pictures for the console; `robot_state` says if they arrive",
         "optional",
+        also=("sensor_msgs/msg/CompressedImage",),
     ),
     StandardTopic(
         "map",
@@ -132,6 +142,7 @@ EXTERNAL: tuple[StandardTopic, ...] = (
         reliable(1),
         "velocities, if EdgeVox steers",
         "no goal_pose, or a distance or an angle is asked",
+        also=("geometry_msgs/msg/TwistStamped",),
     ),
     StandardTopic(
         "goal_pose",

@@ -1,29 +1,35 @@
-"""The topics of `contract`: events go out, and what comes in becomes commands."""
+"""The topics of `contract`: events go out, and what comes in becomes commands; and `picture`."""
 
+from array import array
 from collections import Counter
 from collections.abc import Callable
 from functools import partial
 from typing import Any
 
 from rclpy.node import Node
+from sensor_msgs.msg import CompressedImage
 from std_msgs.msg import Float32, String
 
 from edgevox.agent.policy import CheckedCall, Denied
 from edgevox.core.agent_events import AgentEvent
+from edgevox.core.bus import Bus
 from edgevox.core.commands import CancelProgram, Reset, Way
 from edgevox.core.errors import EdgeVoxError, InvalidValue, Refusal
-from edgevox.core.events import RobotState
+from edgevox.core.events import PictureTaken, RobotState
 from edgevox.core.log import get_logger
 from edgevox.ros2.backlog import Backlog
 from edgevox.ros2.contract import PUBLISHED, SUBSCRIBED
 from edgevox.ros2.contract_rows import STRING, Published, Subscribed
-from edgevox.ros2.messages import profile
+from edgevox.ros2.messages import header, profile
 from edgevox.ros2.open import BridgeContext
+from edgevox.ros2.standard_topics import STANDARD
 from edgevox.ros2.ticker import Ticker
 
 log = get_logger(__name__)
 
 _TYPES: dict[str, Any] = {STRING: String, "std_msgs/msg/Float32": Float32}
+_PNG = "rgb8; png compressed rgb8"
+"""The format, as image_transport's plug-in of compressed images writes it."""
 
 
 class Topics:
@@ -92,3 +98,20 @@ class Topics:
     def _refuse(self, topic: str, why: Refusal, error: EdgeVoxError) -> None:
         self.refusals[topic, why] += 1
         log.warning("message_refused", topic=topic, reason=str(error))
+
+
+class PicturePublisher:
+    """Publishes each picture that the robot was asked to take, latched on `picture`."""
+
+    def __init__(self, node: Node, bus: Bus, frame: str) -> None:
+        """`frame` is the camera's optical frame."""
+        row = STANDARD["picture"]
+        publisher = node.create_publisher(CompressedImage, row.topic, profile(row.qos))
+
+        def publish(event: PictureTaken) -> None:
+            data = array("B")  # the one type that rclpy takes without looking at every byte
+            data.frombytes(event.png)
+            head = header(frame, node.get_clock().now().to_msg())
+            publisher.publish(CompressedImage(header=head, format=_PNG, data=data))
+
+        self.close = bus.subscribe(PictureTaken, publish)

@@ -9,6 +9,8 @@ from dataclasses import dataclass
 from datetime import datetime
 from xml.etree import ElementTree as ET
 
+from edgevox.ros2.open import LAST_DOMAIN
+
 DISCOVERY = "ros_discovery_info"
 """On which every ROS 2 participant says which nodes it has."""
 ROSOUT, PARAMETER_EVENTS, CLOCK = "/rosout", "/parameter_events", "/clock"
@@ -110,8 +112,6 @@ def _topics_of(action: str) -> list[str]:
 
 _SCHEMAS = "http://www.omg.org/spec/DDS-SECURITY/20170901/omg_shared_ca_{}.xsd"
 _SCHEMA = "{http://www.w3.org/2001/XMLSchema-instance}noNamespaceSchemaLocation"
-LAST_DOMAIN = 232
-"""The last for which DDS has ports."""
 _PARTICIPANTS = {
     "allow_unauthenticated_participants": "false",
     "enable_join_access_control": "true",

@@ -22,7 +22,7 @@ from edgevox.ros2.contract_rows import StandardTopic
 from edgevox.ros2.robot_file.format import RobotFile, load_robot_file
 from edgevox.ros2.robot_file.graph import Role as Interface
 from edgevox.ros2.robot_file.graph import wanted_by
-from edgevox.ros2.standard_topics import AUDIO, EXTERNAL, INTEROP, NAV2_ACTION
+from edgevox.ros2.standard_topics import AUDIO, EXTERNAL, INTEROP, NAV2_ACTION, STANDARD
 from edgevox.security.documents import (
     CLOCK,
     ROSOUT,
@@ -136,7 +136,8 @@ def _moves(graph: Graph) -> Rights:
     if graph.robot != EXTERNAL_ROBOT:
         return _standard(graph.namespace, INTEROP)
     namespace, robot = graph.described()
-    driven = is_node(absolute(namespace, EXTERNAL_NODE)) | _robot_file(namespace, robot)
+    pictures = publishes(graph.at(STANDARD["picture"].topic))
+    driven = is_node(absolute(namespace, EXTERNAL_NODE)) | _robot_file(namespace, robot) | pictures
     return driven | _drives(namespace) if robot.drives else driven
 
 

@@ -19,12 +19,12 @@ from edgevox.core.files.user_file import LARGEST_TEXT_BYTES, size_bytes
 from edgevox.core.probe import ProbeFailed, probe_apart
 from edgevox.core.settings import Settings
 from edgevox.ros2.contract import NODE_NAME, RECORDER_NODE
-from edgevox.security.documents import LAST_DOMAIN
+from edgevox.ros2.open import LAST_DOMAIN, domain_of
 
 KEYSTORE, ENCLAVE = "EDGEVOX_SECURITY_KEYSTORE", "EDGEVOX_SECURITY_ENCLAVE"
 ENABLE, STRATEGY = "ROS_SECURITY_ENABLE", "ROS_SECURITY_STRATEGY"
 ROS_KEYSTORE, OVERRIDE = "ROS_SECURITY_KEYSTORE", "ROS_SECURITY_ENCLAVE_OVERRIDE"
-NAMESPACE, DOMAIN = "EDGEVOX_AGENT_NAMESPACE", "ROS_DOMAIN_ID"
+NAMESPACE = "EDGEVOX_AGENT_NAMESPACE"
 ENFORCE = "Enforce"
 PROBE, PROBE_S = "edgevox.ros2.doctor:middleware_build", 60.0
 PARTICIPANT_PROBE = "edgevox.ros2.doctor:participant_probe"
@@ -103,14 +103,6 @@ def secured(
             warn(f"security: {asked.enclave}: {line}")
     rest = {name: one for name, one in environment.items() if name not in (KEYSTORE, ENCLAVE)}
     return rest | (asked.variables if asked else {})
-
-
-def domain_of(environment: Mapping[str, str]) -> int:
-    """The domain of ROS 2's graph that is asked for. Raises `InvalidValue`."""
-    said = environment.get(DOMAIN) or "0"
-    if not (said.isascii() and said.isdecimal()) or int(said) > LAST_DOMAIN:
-        raise InvalidValue(DOMAIN, said, f"0 to {LAST_DOMAIN}")
-    return int(said)
 
 
 def secure_process(program: str, namespace: str, warn: Callable[[str], None]) -> None:

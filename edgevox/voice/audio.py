@@ -4,6 +4,7 @@ Also here: the loudness of sound, a framer for pieces of any size, which gives e
 at which it was heard, and the level meter that a person sees while the robot hears.
 """
 
+import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Protocol
@@ -107,6 +108,19 @@ def rms(samples: Samples) -> float:
         return 0.0
     wide = samples.astype(np.float64)
     return float(np.sqrt(np.dot(wide, wide) / wide.size) / FULL_SCALE)
+
+
+LOUDEST_SAMPLES = RATE_HZ // 5
+SILENT_DB = -120.0
+
+
+def loudness_db(samples: Samples) -> float:
+    """The level of its loudest 0.2 s, in decibels below full scale; -120 for silence.
+
+    Pauses do not count, so that a short word and a long sentence of one person are alike.
+    """
+    pieces = np.array_split(samples, max(1, samples.size // LOUDEST_SAMPLES))
+    return 20.0 * math.log10(max(10 ** (SILENT_DB / 20), *map(rms, pieces), 0.0))
 
 
 class Framer:

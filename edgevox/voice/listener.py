@@ -7,12 +7,20 @@ from functools import partial
 
 from edgevox.core.bus import Bus
 from edgevox.core.clock import Clock, SystemClock
-from edgevox.core.commands import Command, Heard, Interrupt, SpokenOn, StopSpotted, Transcribing
+from edgevox.core.commands import (
+    Command,
+    Heard,
+    Interrupt,
+    SpokenOn,
+    SpokenOver,
+    StopSpotted,
+    Transcribing,
+)
 from edgevox.core.errors import EdgeVoxError
 from edgevox.core.events import Cause, WakeWordHeard
 from edgevox.core.log import get_logger, worth_a_line
 from edgevox.core.settings import Echo
-from edgevox.core.speech import Ending
+from edgevox.core.speech import Ending, FollowUp
 from edgevox.voice.audio import (
     FRAME_S,
     RATE_HZ,
@@ -21,6 +29,7 @@ from edgevox.voice.audio import (
     Frame,
     LevelMeter,
     UtteranceOver,
+    loudness_db,
 )
 from edgevox.voice.echo.canceller import VoiceOverEcho, open_echo
 from edgevox.voice.echo.gate import Unechoed
@@ -65,14 +74,20 @@ class Telling:
 READ_S = 0.25
 STALLED_S = 1.0
 """A source that gives nothing for this long ends the current utterance."""
+INTERRUPTS_FROM_FRAMES = round(1.0 / FRAME_S)
+"""Longer speech over the robot is no "mm-hm": it interrupts before its words are known."""
+QUIETER_DB = 6.0
+"""A follow-up may be this much quieter than the words before it: one who turns away is, and one
+who is twice as far away is not taken for that person."""
 
 
 class Listener:
     """Hears a source of sound, on one thread, and transcribes it on another.
 
-    Submits, from these threads: `Transcribing` and then `Heard` for each utterance; `Interrupt`,
-    without motion, as soon as a person speaks over the robot; `StopSpotted` as soon as
-    `stop_detector` hears a stop word, with a wake word or without.
+    Submits, from these threads: `Transcribing` and then `Heard` for each utterance; `SpokenOver` as
+    soon as a person speaks over the robot, and `Interrupt`, without motion, once that is more than
+    an "mm-hm"; `StopSpotted` as soon as `stop_detector` hears a stop word, with a wake word or
+    without.
 
     A fixed silence ends an utterance unless `ending` judges its words. With `ending`, a plain
     command is `Heard` at once; if the person speaks on within `GOES_ON_S`, `SpokenOn` takes it
@@ -84,6 +99,7 @@ class Listener:
         source: Where the sound comes from.
         vad: Tells voiced frames.
         stt: Turns utterances into words.
+        stop_stt: Turns unaddressed utterances into words; `stt` by default.
         submit: Takes each command; its errors are logged and counted.
         bus: Gets `WakeWordHeard` and the sound level.
         language: The ISO 639-1 code of the language that is spoken now.
@@ -92,6 +108,8 @@ class Listener:
         wakeword: Detects the wake word; speech without it is ignored, see `wake/gate.py`. None
             takes all speech.
         is_stop: Whether these words stop the robot.
+        follow_up: Tells which words count without the wake word, shortly after the robot spoke, if
+            they are as loud as the words before. None if only stop words do.
         stop_detector: Spots stop words in the sound, before the utterance ends.
         saying: What the robot says now, so that it does not stop itself.
         ending: Judges by its words whether an utterance is complete. None, in a file, and where the
@@ -116,6 +134,8 @@ class Listener:
         audible: Callable[[], float],
         wakeword: WakeDetector | None = None,
         is_stop: Callable[[str], bool] = lambda _: False,
+        stop_stt: SpeechToText | None = None,
+        follow_up: FollowUp | None = None,
         stop_detector: StopDetector | None = None,
         saying: Callable[[], str] = lambda: "",
         ending: Callable[[str], Ending] | None = None,
@@ -145,7 +165,12 @@ class Listener:
             is_stop=is_stop,
             clock=self._clock,
             ending=ending or (lambda _: Ending.OPEN),
+            stop_stt=stop_stt,
+            follow_up=follow_up,
         )
+        self._follow_up = follow_up
+        self._person_db: float | None = None
+        self._over_frames: int | None = None
         self._judges = ending is not None and not lossless
         self._last_s: float | None = None
         self._addressed_s = float("-inf")
@@ -252,19 +277,26 @@ class Listener:
         words = Frame(sound.words, frame.end_s)
         match self._endpointer.push(words, probability, surmised=surmised):
             case SpeechBegan(began_s=began_s):
-                self._interrupt_if_meant(began_s)
+                self._speak_over(began_s)
             case SpeechPaused() as speech:
                 self._guess(speech)
             case SpeechWentOn(ended_s=ended_s):
                 self._tell(SpokenOn(ended_s))
+                self._speak_over(frame.end_s)
             case SpeechEnded() as speech:
                 self._take(speech)
+        if self._over_frames is not None:
+            self._over_frames += 1
+            if self._over_frames > INTERRUPTS_FROM_FRAMES and self._endpointer.paused_at is None:
+                self._interrupt()
         if self._spotted and not self._endpointer.speaking:
             self._tell_spotted(frame.end_s)
 
     def _guess(self, speech: SpeechPaused) -> None:
         job = self._job(speech)
-        if job and not job.only_stop and self._transcriber.guess(job) and self._judges:
+        if not job or (job.unaddressed and not job.awaited):
+            return
+        if self._transcriber.guess(job) and self._judges:
             self._endpointer.end_after(ENDS_AFTER_S[Ending.OPEN])
 
     def _wait_as_long_as_words_want(self) -> None:
@@ -303,42 +335,78 @@ class Listener:
             if self._echo.playing:
                 self._tell(Interrupt("heard the wake word", motion=False, cause=Cause.WAKE_WORD))
 
-    def _interrupt_if_meant(self, began_s: float) -> None:
-        meant = self._is_addressed(began_s) or self._wake_gate.has(began_s)
-        if meant and self._echo.playing:
-            self._tell(Interrupt("spoken over", motion=False, cause=Cause.BARGE_IN))
+    def _speak_over(self, began_s: float) -> None:
+        """Silence the robot: at once if the speech is meant for it, else until its words are known.
+
+        Whoever holds a talk button, or said the wake word, wants to be heard.
+        """
+        if not self._echo.playing:
+            return
+        if self._is_pressed(began_s) or self._wake_gate.has(began_s):
+            self._interrupt()
+        elif self._wakeword is None:
+            self._over_frames = 0
+            self._tell(SpokenOver())
+
+    def _interrupt(self) -> None:
+        self._over_frames = None
+        self._tell(Interrupt("spoken over", motion=False, cause=Cause.BARGE_IN))
 
     def _is_addressed(self, began_s: float) -> bool:
         """Return whether speech since then needs no wake word."""
-        return self._wakeword is None or self._addressed_s > began_s + FRAME_S / 2
+        return self._wakeword is None or self._is_pressed(began_s)
+
+    def _is_pressed(self, began_s: float) -> bool:
+        """Return whether the speaker has held a talk button since then."""
+        return self._addressed_s > began_s + FRAME_S / 2
 
     def _take(self, speech: SpeechEnded) -> None:
         job = self._job(speech)
         if job is None:
             return
-        if not (job.only_stop or self._is_addressed(speech.began_s)):
-            self._wake_gate.take(speech)
+        if not job.unaddressed:
+            self._person_db = loudness_db(speech.samples)
+            if not self._is_addressed(speech.began_s):
+                self._wake_gate.take(speech)
         self._understand(job)
 
     def _job(self, speech: SpeechEnded | SpeechPaused) -> TranscriptionJob | None:
         """Return the transcription job for this speech, or None if it is not for the robot."""
         if self._wakeword is None or self._is_addressed(speech.began_s):
             return TranscriptionJob(speech.samples, speech.began_s, speech.ended_s)
-        match self._wake_gate.judge(speech):
+        awaited = self._awaits(speech)
+        match self._wake_gate.judge(speech, awaited=awaited):
             case WakeDecision.TAKE:
                 start_s = self._wake_gate.phrase_from(speech)
                 phrase = "" if start_s is None else self._wakeword.phrase
                 samples = speech.samples[round((start_s or 0.0) * RATE_HZ) :]
                 return TranscriptionJob(samples, speech.began_s, speech.ended_s, phrase)
-            case WakeDecision.ONLY_STOP:
+            case WakeDecision.UNADDRESSED:
                 return TranscriptionJob(
-                    speech.samples, speech.began_s, speech.ended_s, only_stop=True
+                    speech.samples,
+                    speech.began_s,
+                    speech.ended_s,
+                    unaddressed=True,
+                    awaited=awaited,
                 )
         return None
 
+    def _awaits(self, speech: SpeechEnded | SpeechPaused) -> bool:
+        """Return whether it may be a follow-up: at its time, and as loud as the person before."""
+        if self._follow_up is None or self._person_db is None:
+            return False
+        if not self._follow_up.awaits(speech.began_s, speech.ended_s):
+            return False
+        return loudness_db(speech.samples) >= self._person_db - QUIETER_DB
+
     def _understand(self, job: TranscriptionJob) -> None:
-        taken = self._transcriber.take(replace(job, spotted=self._spotted), wait=self._lossless)
+        over = self._over_frames is not None
+        asked = replace(job, spotted=self._spotted, over=over)
+        taken = self._transcriber.take(asked, wait=self._lossless)
         self._spotted = self._spotted and not taken
+        if over and not taken:
+            self._interrupt()
+        self._over_frames = None
 
     def _finish(self) -> None:
         """End the utterance that is going on: the next sound does not follow on it."""
@@ -350,6 +418,8 @@ class Listener:
         if self._last_s is None:
             return
         heard_s, self._last_s = self._last_s, None
+        if self._over_frames is not None:
+            self._interrupt()
         if self._stops:
             self._stops.forget()
         self._meter.reset()

@@ -14,10 +14,11 @@ from edgevox.core.clock import Clock, SystemClock
 from edgevox.core.errors import EdgeVoxError
 from edgevox.core.languages import LANGUAGES
 from edgevox.core.log import Said, get_logger, worth_a_line
+from edgevox.core.servers.errors import ServerFailed
 from edgevox.voice.audio import Chunk
 from edgevox.voice.spoken_answer import SpeakingUtterance, silent_end_s
 from edgevox.voice.tts.synthesiser import Synthesiser
-from edgevox.voice.tts.voices import VoiceChoice
+from edgevox.voice.tts.voices import SERVER, VoiceChoice
 
 log = get_logger(__name__)
 
@@ -142,10 +143,19 @@ class SentenceSynthesiser:
         """The reason why the last sentence was not spoken; empty if it was."""
 
     def prepare(self) -> None:
-        """Load the present voice; what fails is logged, and the next one is loaded."""
+        """Load the present voice; what fails is logged, and the next one is loaded.
+
+        Behind a server's voice one on board is loaded, too: a fallback must not wait for it.
+        """
         choices = self._voices()
-        fine = any(self._load(choice) for choice in choices)
-        self.fault = "" if fine else _no_voice(choices)
+        first: tuple[VoiceChoice, int] | None = None
+        for choice in choices:
+            if self._load(choice):
+                first = first or self.last
+                if choice.backend != SERVER:
+                    break
+        self.last = first or self.last
+        self.fault = "" if first else _no_voice(choices)
 
     def speak(self, utterance: SpeakingUtterance, line: int, sentence: str) -> Iterator[Chunk]:
         """The sound of one sentence, piece by piece, until the utterance is cut."""
@@ -194,6 +204,8 @@ class SentenceSynthesiser:
             began_s = self._clock.now()
             try:
                 chunk = next(pieces, None)
+            except ServerFailed:
+                return False  # its health has told it
             except Exception:
                 self.failures += 1
                 if worth_a_line(self.failures):

@@ -8,6 +8,7 @@ import threading
 from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 
 from edgevox.core.cancel import CancelToken
 from edgevox.core.clock import Clock, SystemClock
@@ -21,6 +22,8 @@ log = get_logger(__name__)
 
 MOST_SENTENCES = 256
 """The most sentences that may wait to be synthesised; one more is not spoken."""
+HELD_S = 5.0
+"""An answer that is held so long goes on, whatever became of the words that it was held for."""
 MOST_AHEAD_S = 20.0
 """Seconds of sound that may wait to be played before the synthesis pauses."""
 
@@ -71,6 +74,8 @@ class SpeechOutput:
         self._ahead_s = 0.0
         self._played: tuple[str, ...] = ()
         self._open: list[SpeakingUtterance] = []
+        self._held: SpeakingUtterance | None = None
+        self._unplayed_s = 0.0
         self._closed = False
         self.refused = 0
         self.failed = 0
@@ -115,6 +120,19 @@ class SpeechOutput:
             self._open.append(utterance)
         utterance.token.on_cancel(self._wake)
         return utterance
+
+    def hold(self) -> None:
+        """Implements `TextToSpeech`."""
+        with self._changed:
+            held = self._held = next(iter(self._open), None)
+        if held:
+            self._note_unplayed(self._silence())
+
+    def release(self) -> None:
+        """Implements `TextToSpeech`."""
+        with self._changed:
+            self._held = None
+            self._changed.notify_all()
 
     def close(self) -> None:
         """Fall silent at once and wait for the threads."""
@@ -219,7 +237,26 @@ class SpeechOutput:
             self._settle(item.utterance, to_the_end=True)
         elif not item.utterance.settled:
             self._note_sentence(item.utterance.log.sentence(item.line))
-            play_chunk(item.chunk, item.line, item.utterance, self._sink)
+            held = partial(self._hold_back, item.utterance)
+            play_chunk(item.chunk, item.line, item.utterance, self._sink, held)
+
+    def _hold_back(self, utterance: SpeakingUtterance) -> float | None:
+        """Wait while it is held; the seconds that were not played, None if it was not held."""
+        if self._held is not utterance:
+            return None
+        self._note_unplayed(self._silence())
+        with self._changed:
+            self._changed.wait_for(
+                lambda: self._held is not utterance or utterance.token.cancelled or self._closed,
+                HELD_S,
+            )
+            self._held = None
+            unplayed_s, self._unplayed_s = self._unplayed_s, 0.0
+            return unplayed_s
+
+    def _note_unplayed(self, seconds: float) -> None:
+        with self._changed:
+            self._unplayed_s += seconds
 
     def _note_sentence(self, sentence: str) -> None:
         if not self._played or self._played[-1] != sentence:
@@ -253,6 +290,8 @@ class SpeechOutput:
             if utterance not in self._open:
                 return
             self._open.remove(utterance)
+            if self._held is utterance:
+                self._held, self._unplayed_s = None, 0.0
             self._sounds = deque(one for one in self._sounds if one.utterance is not utterance)
             self._ahead_s = sum(_seconds(one) for one in self._sounds)
             self._changed.notify_all()

@@ -15,7 +15,7 @@ import numpy as np
 from edgevox.core.cancel import CancelToken
 from edgevox.core.log import bound_now, get_logger
 from edgevox.core.speech import Spoken
-from edgevox.voice.audio import AudioSink, Chunk, Samples
+from edgevox.voice.audio import AudioSink, Chunk, Samples, rms
 
 log = get_logger(__name__)
 
@@ -144,6 +144,8 @@ class SpeakingUtterance:
         """Log context of its log lines: the turn that it belongs to."""
         self.log = SpokenLog()
         self.synthesis_s = 0.0
+        self.played: Samples = np.empty(0, np.int16)
+        """The last second of the chunks that were played, for a sound that was held."""
         self._on_audible = on_audible
         self._say, self._end = say, end
         self._first_audible_s: float | None = None
@@ -188,19 +190,52 @@ class SpeakingUtterance:
 PIECE_S = 0.1
 _QUIET = 300
 """About a hundredth of full scale: softer sound is inaudible."""
+BACK_S = 0.6
+"""Sound that was held begins again at the quietest point of so many seconds before."""
+_POINT_S = 0.02
+_NO_SAMPLES = np.empty(0, np.int16)
 
 
-def play_chunk(chunk: Chunk, line: int, utterance: SpeakingUtterance, sink: AudioSink) -> None:
-    """Play it in pieces until it is over or cut, and note down what was played."""
-    size = max(1, int(PIECE_S * chunk.rate_hz))
-    for at in range(0, len(chunk.samples), size):
-        if utterance.token.cancelled:
+def play_chunk(
+    chunk: Chunk,
+    line: int,
+    utterance: SpeakingUtterance,
+    sink: AudioSink,
+    held: Callable[[], float | None],
+) -> None:
+    """Play it in pieces until it is over or cut, and note down what was played.
+
+    `held` waits while the sound is held, and then returns the seconds that were not played; None if
+    it was not held.
+    """
+    rate_hz, samples, at = chunk.rate_hz, chunk.samples, 0
+    size = max(1, int(PIECE_S * rate_hz))
+    while not utterance.token.cancelled:
+        unplayed_s = held()
+        if unplayed_s is not None:
+            before, utterance.played = utterance.played, _NO_SAMPLES
+            samples, at = np.concatenate([before, samples]), at + before.size
+            heard = max(0, at - round(unplayed_s * rate_hz))
+            again = heard if utterance.token.cancelled else _pause_before(samples, heard, rate_hz)
+            utterance.log.played(line, (again - at) / rate_hz)
+            at = again
+        elif at < samples.size:
+            piece = samples[at : at + size]
+            start_s = sink.play(Chunk(piece, rate_hz), utterance.token)
+            at += piece.size
+            utterance.log.played(line, piece.size / rate_hz)
+            if len(loud := loud_at(piece)):
+                utterance.audible(start_s + float(loud[0]) / rate_hz)
+        else:
+            utterance.played = np.concatenate([utterance.played, samples])[-rate_hz:]
             return
-        piece = Chunk(chunk.samples[at : at + size], chunk.rate_hz)
-        start_s = sink.play(piece, utterance.token)
-        utterance.log.played(line, len(piece.samples) / chunk.rate_hz)
-        if len(loud := loud_at(piece.samples)):
-            utterance.audible(start_s + float(loud[0]) / chunk.rate_hz)
+
+
+def _pause_before(samples: Samples, heard: int, rate_hz: int) -> int:
+    """Return the sample to go on from: where it was quietest shortly before this one."""
+    size = max(1, round(_POINT_S * rate_hz))
+    starts = range(max(0, heard - round(BACK_S * rate_hz)), heard, size)
+    return min(starts, key=lambda at: rms(samples[at : at + size]), default=heard)
 
 
 def silent_end_s(chunk: Chunk) -> float:

@@ -1,8 +1,11 @@
 """The status of hearing and speaking: the components `audio`, `stt` and `tts`."""
 
+from typing import TYPE_CHECKING
+
 from edgevox.core.clock import Clock
 from edgevox.core.controls import Controls
 from edgevox.core.languages import LANGUAGES
+from edgevox.core.servers.health import ServerHealth
 from edgevox.core.status import (
     Finding,
     Gauges,
@@ -17,6 +20,10 @@ from edgevox.voice.audio import AudioSink, AudioSource
 from edgevox.voice.listener import Listener
 from edgevox.voice.speech_output import SpeechOutput
 from edgevox.voice.stt.speech_to_text import SpeechToText
+
+if TYPE_CHECKING:
+    from edgevox.voice.remote.shared_hearing import SharedSpeechToText
+    from edgevox.voice.remote.shared_speech import SharedSpeech
 
 SLOW_S = 3.0
 """A person who waits longer than this to be understood, and longer than they spoke, says it
@@ -86,9 +93,15 @@ class SttComponent:
     checks: tuple[HealthCheck, ...] = ()
 
     def __init__(
-        self, stt: SpeechToText, listener: Listener, controls: Controls, clock: Clock | None = None
+        self,
+        stt: SpeechToText,
+        listener: Listener,
+        controls: Controls,
+        clock: Clock | None = None,
+        shared: "SharedSpeechToText | None" = None,
     ) -> None:
         self._stt, self._transcriber, self._controls = stt, listener.transcriber, controls
+        self._shared = shared
         self._failing, self._refusing = RecentIncrease(clock), RecentIncrease(clock)
 
     def status(self) -> Status:
@@ -104,8 +117,12 @@ class SttComponent:
         if self._refusing.grew(refused):
             text = f"more is said than can be understood, {refused} utterances refused by now"
             found.append(Finding(Level.WARN, text))
+        if self._shared and (missing := self._shared.on_board_fault):
+            level = Level.ERROR if self._shared.health.fault else Level.WARN
+            found.append(Finding(level, f"the model on board fails: {missing}"))
         if last_s and last_s > max(SLOW_S, sound_s or 0.0):
             found.append(Finding(Level.WARN, f"slow: the last utterance took {last_s:.1f} s"))
+        server = _of_server(self._shared.health if self._shared else None, "hears", found)
         return Status.judged(
             self.name,
             found,
@@ -116,6 +133,7 @@ class SttComponent:
             real_time_factor=last_s / sound_s if last_s and sound_s else None,
             failed=failed,
             refused=refused,
+            **server,
         )
 
 
@@ -134,8 +152,10 @@ class TtsComponent:
         controls: Controls,
         gauges: Gauges,
         clock: Clock | None = None,
+        shared: "SharedSpeech | None" = None,
     ) -> None:
         self._speech_output, self._controls, self._gauges = speech_output, controls, gauges
+        self._shared = shared
         self._failing = RecentIncrease(clock)
 
     def status(self) -> Status:
@@ -152,6 +172,7 @@ class TtsComponent:
         if self._failing.grew(synthesiser.failures):
             text = f"a voice failed, {synthesiser.failures} times by now; another one speaks"
             found.append(Finding(Level.WARN, text))
+        server = _of_server(self._shared.health if self._shared else None, "speaks", found)
         return Status.judged(
             self.name,
             found,
@@ -163,4 +184,18 @@ class TtsComponent:
             last_first_audio_s=self._gauges.first_audio_s,
             failed=synthesiser.failures,
             refused=self._speech_output.refused,
+            **server,
         )
+
+
+def _of_server(
+    server: ServerHealth | None, does: str, found: list[Finding]
+) -> dict[str, str | bool | int]:
+    """What is told of a server; that it fails is added to the findings."""
+    if server is None:
+        return {}
+    if server.fault:
+        text = f"{server.server} fails: {server.fault}; what is on board {does}"
+        found.append(Finding(Level.WARN, text))
+    where = "on board" if server.resting else "endpoint"
+    return {"endpoint": server.server, "answers": where, **server.figures()}

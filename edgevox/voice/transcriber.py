@@ -9,7 +9,7 @@ from edgevox.core.clock import Clock
 from edgevox.core.commands import Heard, Transcribing
 from edgevox.core.errors import EdgeVoxError
 from edgevox.core.log import get_logger
-from edgevox.core.speech import Ending
+from edgevox.core.speech import Ending, FollowUp
 from edgevox.voice.audio import RATE_HZ, Samples
 from edgevox.voice.stt.speech_to_text import SpeechToText, Transcript
 from edgevox.voice.wake.gate import without_phrase
@@ -31,10 +31,14 @@ class TranscriptionJob:
     """The clock's time of the last voiced sample, in seconds."""
     phrase: str = ""
     """The wake word at its beginning, if any."""
-    only_stop: bool = False
-    """Whether it counts only if it tells the robot to stop."""
+    unaddressed: bool = False
+    """Whether it counts only if it tells the robot to stop, or is a follow-up."""
+    awaited: bool = False
+    """Whether it may be a follow-up."""
     spotted: bool = False
     """Whether a stop word was spotted in its sound."""
+    over: bool = False
+    """Whether the robot holds its answer for it."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,9 +56,10 @@ class Transcriber:
     """Submits `Transcribing` and then `Heard` for each utterance, always in this order.
 
     An utterance that may be over is transcribed during the silence that ends it, so that its words
-    are ready by then. A job with `only_stop` submits `Heard` alone, and only if `is_stop` finds a
-    stop word; if one was spotted by its sound, then without words if `is_stop` does not. `submit`
-    must not raise.
+    are ready by then. An unaddressed job submits `Heard` alone, and only if `is_stop` finds a stop
+    word or `follow_up` takes it; if a stop word was spotted by its sound, then without words if
+    neither does. `submit` must not raise. `stop_stt` transcribes these jobs, by default as all
+    others: what may not be for the robot need not leave it.
     """
 
     def __init__(
@@ -66,12 +71,16 @@ class Transcriber:
         is_stop: Callable[[str], bool],
         clock: Clock,
         ending: Callable[[str], Ending] = lambda _: Ending.OPEN,
+        stop_stt: SpeechToText | None = None,
+        follow_up: FollowUp | None = None,
     ) -> None:
         self._stt = stt
+        self._stop_stt = stop_stt or stt
         self._submit = submit
         self._language = language
         self._is_stop = is_stop
         self._ending = ending
+        self._follow_up = follow_up
         self._clock = clock
         self._jobs: deque[TranscriptionJob] = deque()
         self._early: TranscriptionJob | None = None
@@ -109,7 +118,7 @@ class Transcriber:
         False if it was refused.
         """
         with self._changed:
-            if self._guessing and not self._jobs and not job.only_stop:
+            if self._guessing and not self._jobs and not job.unaddressed:
                 self._told = True
                 self._submit(Transcribing())
             if wait:
@@ -168,18 +177,18 @@ class Transcriber:
             except Exception:  # a bug: what is said next is understood
                 self.failed += 1
                 log.exception("speech_to_text_broke")
-                if job and (job.spotted or not job.only_stop):
-                    self._submit(Heard("", job.ended_s, spotted=job.spotted))
+                if job and (job.spotted or not job.unaddressed):
+                    self._submit(Heard("", job.ended_s, spotted=job.spotted, over=job.over))
 
     def _understand(self, job: TranscriptionJob) -> None:
-        if not job.only_stop and not self._told:
+        if not job.unaddressed and not self._told:
             self._submit(Transcribing())
         self._told = False
         guess, self._guess = self._guess, None
         known = guess and (guess.ended_s, guess.language) == (job.ended_s, self._language())
         words = guess if guess and known else self._words(job)
         said = words.said
-        counts = not job.only_stop or (bool(said.text) and self._is_stop(said.text))
+        counts = not job.unaddressed or (bool(said.text) and self._is_for_it(said, job))
         if counts or job.spotted:
             told = said if counts else Transcript("", said.confidence)
             heard = Heard(
@@ -190,8 +199,15 @@ class Transcriber:
                 confidence=told.confidence,
                 others=told.others,
                 began_s=job.began_s,
+                over=job.over,
             )
             self._submit(heard)
+
+    def _is_for_it(self, said: Transcript, job: TranscriptionJob) -> bool:
+        if self._is_stop(said.text):
+            return True
+        takes = self._follow_up.takes if self._follow_up and job.awaited else None
+        return takes is not None and takes(said.text, said.confidence, job.began_s, job.ended_s)
 
     def _judged(self, words: "_Words") -> "_Words":
         """Return the words with their ending; open if it cannot be judged."""
@@ -212,7 +228,8 @@ class Transcriber:
     def _transcribe(self, job: TranscriptionJob, language: str) -> Transcript:
         """The words; none if they could not be understood, which is logged."""
         try:
-            said = self._stt.transcribe(job.samples, language)
+            stt = self._stop_stt if job.unaddressed else self._stt
+            said = stt.transcribe(job.samples, language)
         except EdgeVoxError as error:
             self.failed += 1
             log.error("speech_to_text_failed", reason=str(error))  # noqa: TRY400 - its message says it all

@@ -63,7 +63,8 @@ LEAST_HZ, MOST_HZ = 1000, 768_000
 """Bounds of the rate in a header: the reader allocates memory by it."""
 HEADER_BYTES = 44
 """Before the samples, in what most programs write."""
-_WIDTHS = (1, 2, 3, 4)
+WIDTHS = (1, 2, 3, 4)
+"""Bytes of a sample."""
 
 
 def check_wav(path: Path, field: str = "audio_in") -> None:
@@ -82,8 +83,7 @@ def stream_wav(path: Path) -> Iterator[Samples]:
         resampler = Resampler(from_hz, RATE_HZ)
         while data := file.readframes(from_hz):
             whole = len(data) // (channels * width) * channels * width
-            mono = _scaled(data[:whole], width).reshape(-1, channels).mean(axis=1)
-            yield resampler.push(np.clip(mono, -32768, 32767).astype(np.int16))
+            yield resampler.push(pcm_to_mono(data[:whole], width, channels))
         yield resampler.flush()
 
 
@@ -98,9 +98,16 @@ def _opened(path: Path, field: str) -> Iterator[wave.Wave_read]:
         if not LEAST_HZ <= (rate_hz := file.getframerate()) <= MOST_HZ:
             expected = f"a WAV file of {LEAST_HZ} to {MOST_HZ} samples a second, not {rate_hz}"
             raise InvalidValue(field, str(path), expected)
-        if (width := file.getsampwidth()) not in _WIDTHS:
+        if (width := file.getsampwidth()) not in WIDTHS:
             raise InvalidValue(field, str(path), f"a WAV file of 8 to 32 bits, not {8 * width}")
         yield file
+
+
+def pcm_to_mono(data: bytes, width: int, channels: int) -> Samples:
+    """PCM of whole frames, of 1 (unsigned) to 4 bytes a sample, as mono samples of 16 bits."""
+    mono = _scaled(data, width).reshape(-1, channels).mean(axis=1)
+    samples: Samples = np.clip(mono, -32768, 32767).astype(np.int16)
+    return samples
 
 
 def _scaled(data: bytes, width: int) -> NDArray[np.floating[Any]]:

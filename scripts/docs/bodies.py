@@ -6,13 +6,12 @@ from typing import Protocol
 from docs.markdown import code, table
 from docs.told import TOLD, told
 from edgevox.agent.skills import SkillSet
-from edgevox.agent.skills.choices import OneOf
+from edgevox.agent.skills.skill import OneOf
 from edgevox.robots import capabilities
-from edgevox.robots.humanoid.skills import walking_skills
 from edgevox.robots.navigation import LOCATION, navigation_skills
 from edgevox.robots.panda.skills import manipulation_skills
 from edgevox.robots.places.memory import PlaceMemory
-from edgevox.robots.relative_skills import driving_skills
+from edgevox.robots.relative_skills import driving_skills, walking_skills
 
 
 class Elsewhere:

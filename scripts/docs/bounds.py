@@ -10,7 +10,7 @@ from edgevox.core.servers import http as http_request
 from edgevox.ops import http_server
 from edgevox.robots.world import load as world
 from edgevox.ros2 import audio, skill_action
-from edgevox.ros2.external import locations
+from edgevox.ros2.external.settings import MOST_LOCATIONS
 from edgevox.ros2.recorder import disk as write_queue
 from edgevox.scenario import format as scenario
 from edgevox.voice.audio import RATE_HZ
@@ -33,7 +33,7 @@ def bounds() -> str:
         "a language model's answer": f"{interpreter.ANSWER_TOKENS} tokens",
         "a scenario": f"{scenario.MAX_STEPS:,} steps",
         "a world file": f"{world.MOST_THINGS:,} things",
-        "a locations file": f"{locations.MOST_LOCATIONS} places",
+        "a locations file": f"{MOST_LOCATIONS} places",
         "a text file of a setting": f"{user_file.LARGEST_TEXT_BYTES // 1_000_000} MB; "
         "a regular file",
         "the recorder": f"{write_queue.MOST_MESSAGES:,} messages or "

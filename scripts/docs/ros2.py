@@ -102,7 +102,14 @@ def interop() -> str:
 def external() -> str:
     """The topics of a robot that is driven from outside."""
     rows = (
-        (f"`{one.topic}`", one.direction, f"`{one.type}`", _quality(one.qos), one.about, one.needs)
+        (
+            f"`{one.topic}`",
+            one.direction,
+            " or ".join(f"`{type_}`" for type_ in one.types),
+            _quality(one.qos),
+            one.about,
+            one.needs,
+        )
         for one in standard_topics.EXTERNAL
     )
     return table(("topic", "direction", "type", "QoS, depth", "what", "when"), rows)

@@ -2,7 +2,7 @@
 
 from docs.markdown import code, table
 from docs.told import told
-from edgevox.agent.states import TRANSITIONS
+from edgevox.agent.turn import TRANSITIONS
 from edgevox.apps.agent.voice import MODELS, phrases
 from edgevox.core.events import State, TurnMeasured
 from edgevox.core.languages import LANGUAGES, Language

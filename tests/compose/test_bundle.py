@@ -18,7 +18,7 @@ from typing import Any
 
 import pytest
 import yaml
-from guards import HUNG_S
+from guards import HUNG_S, run_program
 from stacks import docker
 
 from edgevox.models import Store
@@ -95,9 +95,7 @@ def compose_config(folder: Path) -> dict[str, Any]:
 def installed(key: Path, archive: Path, folder: Path, *flags: str) -> tuple[int, str]:
     """What the program ended with, and said, in a namespace that has no network."""
     command = [*no_network(), INSTALL, *flags, key, archive, folder]
-    ran = subprocess.run(
-        command, capture_output=True, text=True, timeout=HUNG_S, stdin=subprocess.DEVNULL
-    )
+    ran = run_program(command)
     return ran.returncode, ran.stdout + ran.stderr
 
 
@@ -538,9 +536,7 @@ def test_an_image_without_a_bill_of_materials_is_not_bundled(keys, tmp_path, tin
     docker("build", "--quiet", "--tag", name, str(tmp_path))
     try:
         command = [sys.executable, BUNDLE, "--key", keys / "site", "--image", name]
-        ran = subprocess.run(
-            [*command, "--out", tmp_path / "out"], capture_output=True, text=True, timeout=HUNG_S
-        )
+        ran = run_program([*command, "--out", tmp_path / "out"])
     finally:
         docker("rmi", name)
     assert ran.returncode == 1

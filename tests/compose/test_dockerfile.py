@@ -7,7 +7,7 @@ import sys
 from pathlib import Path
 
 import pytest
-from guards import HUNG_S
+from guards import HUNG_S, run_program
 
 ROOT = Path(__file__).resolve().parents[2]
 DOCKERFILES = ("Dockerfile.ros2", "docker/base/Dockerfile")
@@ -165,10 +165,8 @@ def inside_base():
 
     def run(command: str, *, sourced: bool = True) -> str:
         options = [] if sourced else ["--entrypoint="]
-        ran = subprocess.run(
-            ["docker", "run", "--rm", *options, "edgevox-base:local", "bash", "-c", command],
-            capture_output=True,
-            text=True,
+        ran = run_program(
+            ["docker", "run", "--rm", *options, "edgevox-base:local", "bash", "-c", command]
         )
         assert ran.returncode == 0, ran.stdout + ran.stderr
         return ran.stdout.strip()

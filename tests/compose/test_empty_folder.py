@@ -1,10 +1,9 @@
 """docs/your-robot.md, "From an empty folder": what each part says works in an empty folder."""
 
 import re
-import subprocess
 
 import pytest
-from guards import HUNG_S
+from guards import run_program
 from stacks import ROOT
 
 pytestmark = pytest.mark.long
@@ -29,9 +28,7 @@ def test_what_a_section_says_works_in_an_empty_folder(title, image, tmp_path):
         file.write_text(text)
     (command,) = COMMAND.findall(SECTIONS[title])
     command = command.replace("edgevox-ros2:local", image)
-    ran = subprocess.run(
-        ["bash", "-euc", command], cwd=tmp_path, capture_output=True, text=True, timeout=HUNG_S
-    )
+    ran = run_program(["bash", "-euc", command], cwd=tmp_path)
     assert ran.returncode == 0, ran.stdout + ran.stderr
     assert "PASSED" in ran.stdout
 

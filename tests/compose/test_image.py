@@ -8,7 +8,7 @@ import tomllib
 from pathlib import Path
 
 import pytest
-from guards import HUNG_S
+from guards import HUNG_S, run_program
 
 from edgevox import __version__
 
@@ -37,12 +37,8 @@ def inside(image):
     """Runs a command in the image, locked down; its output."""
 
     def run(*command: str, options: tuple[str, ...] = (), stdin: str = "") -> str:
-        ran = subprocess.run(
-            ["docker", "run", "--interactive", *LOCKED_DOWN, *options, image, *command],
-            input=stdin,
-            capture_output=True,
-            text=True,
-            timeout=HUNG_S,
+        ran = run_program(
+            ["docker", "run", "--interactive", *LOCKED_DOWN, *options, image, *command], input=stdin
         )
         assert ran.returncode == 0, ran.stdout + ran.stderr
         return ran.stdout
@@ -122,11 +118,7 @@ def test_there_is_no_compiler_and_no_cache_in_it(found):
 
 def test_it_is_as_small_as_promised(about, image):
     assert about["Size"] < LIMITS["edgevox"]
-    slim = subprocess.run(
-        ["docker", "image", "inspect", "--format={{.Size}}", f"{image}-slim"],
-        capture_output=True,
-        text=True,
-    )
+    slim = run_program(["docker", "image", "inspect", "--format={{.Size}}", f"{image}-slim"])
     assert slim.returncode == 0, f"there is no {image}-slim: run make image"
     assert int(slim.stdout) < LIMITS["slim"]
 
@@ -141,7 +133,7 @@ def test_it_says_what_it_is(about):
 
 def test_a_container_with_one_processor_computes_with_one_thread(inside):
     """Whatever the machine has: threads that are not paid for stop those that are."""
-    asked = "from edgevox.agent.llm.tuning import default_threads as threads; import os; "
+    asked = "from edgevox.agent.llm.weights import default_threads as threads; import os; "
     asked += "print(threads(), len(os.sched_getaffinity(0)), os.environ['OMP_NUM_THREADS'])"
     threads, cores, openmp = inside("python3", "-c", asked, options=("--cpus=1",)).split()
     assert (threads, openmp) == ("1", "1")

@@ -3,9 +3,9 @@
 import json
 import os
 import re
-import subprocess
 
 import pytest
+from guards import run_program
 from stacks import BASE, ROOT
 
 from edgevox.apps.recorder import parse_arguments
@@ -18,12 +18,8 @@ BY_DIGEST = r"([a-z]+/)?[a-z]+:v?[0-9.]+(-alpine)?@sha256:[0-9a-f]{64}"
 def services(*overlays: str, **environment: str) -> dict:
     files = [BASE, *(f"compose/{name}.yml" for name in overlays)]
     command = ["docker", "compose", *(word for file in files for word in ("-f", file))]
-    ran = subprocess.run(
-        [*command, "config", "--format", "json"],
-        cwd=ROOT,
-        capture_output=True,
-        text=True,
-        env={**os.environ, **environment},
+    ran = run_program(
+        [*command, "config", "--format", "json"], cwd=ROOT, env={**os.environ, **environment}
     )
     assert ran.returncode == 0, ran.stderr
     return json.loads(ran.stdout)["services"]

@@ -97,6 +97,18 @@ def test_many_overlays_go_together():
     assert robot["secrets"] == [{"source": "llm_key", "target": "/run/secrets/llm_key"}]
 
 
+def test_hearing_and_speech_are_on_this_machine_unless_another_is_named(monkeypatch):
+    def endpoints():
+        given = _config("speech", "speech-key")["services"]["edgevox-ros2"]["environment"]
+        return given["EDGEVOX_STT_ENDPOINT"], given["EDGEVOX_TTS_ENDPOINT"]
+
+    here = "tcp://host.docker.internal"
+    assert endpoints() == (f"{here}:10300", f"{here}:10200")
+    monkeypatch.setenv("EDGEVOX_STT_ENDPOINT", "http://speech:8000")
+    monkeypatch.setenv("EDGEVOX_TTS_ENDPOINT", "")
+    assert endpoints() == ("http://speech:8000", "")
+
+
 def test_the_policy_is_a_file_in_a_folder_that_is_mounted():
     """Of a file that is mounted by itself, another one in its place would not be seen."""
     robot = _config("policy")["services"]["edgevox-ros2"]

@@ -2,12 +2,11 @@
 
 import os
 import shutil
-import subprocess
 import sys
 from pathlib import Path
 
 import pytest
-from guards import HUNG_S
+from guards import run_program
 from page_commands import PAGES, ROOT, commands, proofs
 
 pytestmark = pytest.mark.long
@@ -69,14 +68,6 @@ def test_the_commands_of_a_page_do_what_they_should(page, folder, environment):
     for command in runnable(page):
         if plain(command) in already(page):
             continue
-        done = subprocess.run(
-            ["bash", "-euo", "pipefail", "-c", command],
-            cwd=folder,
-            env=environment,
-            stdin=subprocess.DEVNULL,
-            capture_output=True,
-            text=True,
-            timeout=HUNG_S,
-        )
+        done = run_program(["bash", "-euo", "pipefail", "-c", command], cwd=folder, env=environment)
         assert done.returncode == 0, f"{command}\n{done.stdout}{done.stderr}"
         assert "Traceback" not in done.stderr, command

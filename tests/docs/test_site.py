@@ -3,14 +3,13 @@
 import json
 import os
 import re
-import subprocess
 import sys
 from html.parser import HTMLParser
 from pathlib import Path
 from urllib.parse import unquote, urldefrag
 
 import pytest
-from guards import HUNG_S
+from guards import run_program
 
 pytestmark = pytest.mark.long
 
@@ -38,13 +37,10 @@ class References(HTMLParser):
 @pytest.fixture(scope="module")
 def site(tmp_path_factory):
     folder = tmp_path_factory.mktemp("site")
-    done = subprocess.run(
+    done = run_program(
         [Path(sys.executable).with_name("mkdocs"), "build", "--strict", "--site-dir", folder],
         cwd=ROOT,
         env=os.environ | {"NO_MKDOCS_2_WARNING": "1"},
-        capture_output=True,
-        text=True,
-        timeout=HUNG_S,
     )
     assert done.returncode == 0, done.stderr
     return folder

@@ -8,7 +8,7 @@ import pytest
 from steady_piper import steady_piper
 from voice_rig import VoiceRig, shared_decider
 
-from edgevox.agent.llm import tuning
+from edgevox.agent.llm import weights
 from edgevox.agent.llm.factory import load_model
 from edgevox.agent.llm.language_model import LanguageModel
 from edgevox.agent.nlu.decider import Decider
@@ -26,10 +26,10 @@ def threads(worker: tuple[int, int]) -> int:
     """For an engine: what one worker may use of the cores.
 
     More would take as much from the other workers as they give, and wait for each other besides:
-    beside a busy core, two threads are slower than one (`edgevox/agent/llm/tuning.py`).
+    beside a busy core, two threads are slower than one (`edgevox/agent/llm/weights.py`).
     """
     _, workers = worker
-    return max(1, tuning.default_threads() // workers)
+    return max(1, weights.default_threads() // workers)
 
 
 @pytest.fixture(scope="module")

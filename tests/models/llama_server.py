@@ -7,18 +7,18 @@ Prints its address when it serves; ends with its stdin.
 
 import sys
 
-from edgevox.agent.llm import tuning
+from edgevox.agent.llm import weights
 
 
 def main(path: str, threads: int, parallel: int = 1) -> None:
-    tuning.spin_briefly()
+    weights.spin_briefly()
     import xllamacpp  # which reads at once what the line above says
 
     wanted = xllamacpp.CommonParams()
     wanted.model.path = path
     wanted.n_ctx = 4096 * parallel
     wanted.n_parallel = parallel
-    wanted.n_batch = wanted.n_ubatch = tuning.BATCH_TOKENS
+    wanted.n_batch = wanted.n_ubatch = weights.BATCH_TOKENS
     wanted.cpuparams.n_threads = wanted.cpuparams_batch.n_threads = threads
     wanted.fit_params = False
     wanted.verbosity = -1

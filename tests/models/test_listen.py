@@ -1,12 +1,11 @@
 """`edgevox listen`, as a person starts it on a recording: figures, words, and what is kept."""
 
 import json
-import subprocess
 import sys
 
 import numpy as np
 import pytest
-from guards import HUNG_S
+from guards import run_program
 from listener_rig import loud, noises, says_espeak, says_piper, silence
 from support.recordings import write_wav
 from voice_engines import words
@@ -19,13 +18,7 @@ LISTEN = (sys.executable, "-m", "edgevox.apps.edgevox", "listen")
 
 
 def listen(*arguments):
-    done = subprocess.run(
-        [*LISTEN, *map(str, arguments)],
-        stdin=subprocess.DEVNULL,
-        capture_output=True,
-        text=True,
-        timeout=HUNG_S,
-    )
+    done = run_program([*LISTEN, *map(str, arguments)])
     return done.returncode, done.stdout.splitlines(), done.stderr
 
 

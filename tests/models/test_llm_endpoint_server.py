@@ -12,10 +12,10 @@ import pytest
 from corpus_robots import skills_of_robots
 from guards import HUNG_S
 
-from edgevox.agent.llm.chat.calls import Protocol
-from edgevox.agent.llm.chat.prompt import examples
+from edgevox.agent.llm.calls import Protocol
 from edgevox.agent.llm.factory import load_model
 from edgevox.agent.llm.language_model import ChatMessage, LanguageModel
+from edgevox.agent.llm.prompt import examples
 from edgevox.agent.llm.remote import Address, EndpointModel, FallbackModel
 from edgevox.agent.skills import Example, GoalHandle, SkillSet, skill
 from edgevox.core.cancel import CancelToken

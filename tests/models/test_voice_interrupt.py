@@ -7,17 +7,17 @@ import numpy as np
 import phrases
 import pytest
 from guards import HUNG_S
-from listener_rig import loud, says_espeak, silence
+from listener_rig import loud, says_espeak, says_piper, silence
 from voice_engines import words
 from voice_rig import SLOWLY
 from waiting import wait_until
 
-from edgevox.agent.llm.chat.grammar import SAY
-from edgevox.agent.llm.chat.prompt import CUT_MARK
+from edgevox.agent.llm.grammar import SAY
+from edgevox.agent.llm.prompt import CUT_MARK
 from edgevox.core.agent_events import AgentEvent, GoalChanged, SafetyPreempted
 from edgevox.core.commands import Interrupt, TextInput
-from edgevox.core.events import Responded, State, StateChanged, Transcribed
-from edgevox.voice.audio import rms
+from edgevox.core.events import Interrupted, Responded, State, StateChanged, Transcribed
+from edgevox.voice.audio import RATE_HZ, rms
 from edgevox.voice.sinks.open_sink import WavFile
 
 QUIET = silence(3.0)
@@ -92,7 +92,10 @@ def test_while_it_thinks_nothing_is_said_and_the_next_turn_is_clean(rig, teller)
 
 
 def speaking(rig, monkeypatch, seconds=0.5):
-    """Have the robot tell a story, and wait until so much of it was heard in the room."""
+    """Have the robot tell a story, and wait until so much of it was heard in the room.
+
+    Returns what tells how many samples were heard so far.
+    """
     heard, write, count = threading.Event(), WavFile.write, [0]
 
     def counted(self, samples, start_s):
@@ -104,6 +107,7 @@ def speaking(rig, monkeypatch, seconds=0.5):
     monkeypatch.setattr(WavFile, "write", counted)
     rig.parts.command_router.submit(TextInput("tell me a story"))
     assert heard.wait(HUNG_S)
+    return lambda: count[0]
 
 
 def test_while_it_speaks_what_is_remembered_is_what_was_heard(rig, teller, monkeypatch):
@@ -159,6 +163,20 @@ def test_a_person_who_speaks_over_it_cuts_it_and_is_understood(rig, monkeypatch)
     assert rig.wait_for(Responded).cut
     assert rig.wait_for(Responded, lambda event: not event.cut).text.startswith("I am in the")
     assert rms(rig.answer()) > 0.0
+
+
+@pytest.mark.parametrize("words", ["yeah", "okay", "oh, I see"])
+def test_a_person_who_only_listens_does_not_end_its_answer(rig, words, monkeypatch):
+    heard = speaking(rig, monkeypatch)
+    sound = loud(says_piper(words), 0.3)
+
+    rig.room.play(np.concatenate([QUIET, sound, silence(2.0)]))
+    assert rig.parts.listener.transcriber.wait_idle(HUNG_S)
+
+    then = heard()
+    wait_until(lambda: heard() > then + RATE_HZ, "going on")
+    assert rig.of(Responded) == []
+    assert rig.of(Interrupted) == []
 
 
 @pytest.mark.parametrize(("way", "room"), [("spoken", "bedroom"), ("typed", "kitchen")])

@@ -2,13 +2,12 @@
 says: espeak-ng speaks to it, Piper answers, Whisper listens to both.
 """
 
-import subprocess
 import sys
 from pathlib import Path
 
 import numpy as np
 import phrases
-from guards import HUNG_S
+from guards import run_program
 from listener_rig import loud, noises, says_espeak, silence
 from support.recordings import write_wav
 from voice_engines import hear, words, wrong_words
@@ -41,15 +40,11 @@ def test_who_speaks_to_it_from_a_file_is_obeyed_and_answered_into_a_file(tmp_pat
     hiss = loud(noises(sound.size / RATE_HZ)["hiss"], 0.002)
     write_wav(said, sound[: hiss.size] + hiss)
 
-    done = subprocess.run(
+    done = run_program(
         [
             *(AGENT, "robot-apartment", "--no-render", "--llm", "none"),
             *("--audio-in", said, "--audio-out", file),
-        ],
-        stdin=subprocess.DEVNULL,
-        capture_output=True,
-        text=True,
-        timeout=HUNG_S,
+        ]
     )
 
     assert done.returncode == 0, done.stderr

@@ -12,7 +12,7 @@ from guards import HUNG_S
 from listener_rig import loud, says_espeak, silence
 from voice_rig import SLOWLY, VoiceRig
 
-from edgevox.agent.llm.chat.grammar import SAY
+from edgevox.agent.llm.grammar import SAY
 from edgevox.core.agent_events import ToolCalled
 from edgevox.core.commands import TextInput
 from edgevox.core.events import Responded

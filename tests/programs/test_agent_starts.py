@@ -8,7 +8,7 @@ from pathlib import Path
 import phrases
 import pytest
 from gguf_files import small_gguf
-from guards import HUNG_S
+from guards import HUNG_S, run_program
 
 AGENT = Path(sys.executable).with_name("edgevox-agent")
 NOT_FOR_TYPING = {
@@ -29,13 +29,10 @@ def test_what_is_typed_to_loads_no_engine_of_sound_no_screen_and_no_other_robot(
         "print('ended with', main(sys.argv[1:]))\n"
         "print(*sys.modules, file=sys.stderr)"
     )
-    done = subprocess.run(
+    done = run_program(
         [sys.executable, "-c", program, "robot-apartment", "--text-mode", "--llm=none"],
         env=os.environ | {"PYTHONPATH": path},
         input="where are you\n",
-        capture_output=True,
-        text=True,
-        timeout=HUNG_S,
     )
 
     assert phrases.stands(room="living_room") in done.stdout
@@ -47,13 +44,7 @@ def test_what_is_typed_to_loads_no_engine_of_sound_no_screen_and_no_other_robot(
 
 def test_a_robot_whose_model_is_missing_ends_the_program_with_1(tmp_path, monkeypatch):
     monkeypatch.setenv("EDGEVOX_MODELS_DIR", str(tmp_path))
-    done = subprocess.run(
-        [AGENT, "robot-panda", "--text-mode", "--llm=none"],
-        stdin=subprocess.DEVNULL,
-        capture_output=True,
-        text=True,
-        timeout=HUNG_S,
-    )
+    done = run_program([AGENT, "robot-panda", "--text-mode", "--llm=none"])
     assert done.returncode == 1
     assert "edgevox-models fetch" in done.stderr
     assert "Traceback" not in done.stderr
@@ -62,13 +53,9 @@ def test_a_robot_whose_model_is_missing_ends_the_program_with_1(tmp_path, monkey
 @pytest.mark.long
 def test_without_its_wake_words_it_does_not_start_and_names_the_command(tmp_path):
     flags = ["--llm=none", "--audio-in=none", "--wakeword=hey jarvis"]
-    done = subprocess.run(
+    done = run_program(
         [AGENT, "robot-apartment", *flags, f"--audio-out={tmp_path / 'answers.wav'}"],
         env=os.environ | {"EDGEVOX_MODELS_DIR": str(tmp_path / "models")},
-        stdin=subprocess.DEVNULL,
-        capture_output=True,
-        text=True,
-        timeout=HUNG_S,
     )
 
     assert done.returncode == 1
@@ -100,7 +87,7 @@ def test_a_process_that_may_not_have_the_memory_goes_on_without_the_model(tmp_pa
         "resource.setrlimit(resource.RLIMIT_AS, (taken + (180 << 20),) * 2)\n"
         "sys.exit(main())"
     )
-    done = subprocess.run(
+    done = run_program(
         [
             sys.executable,
             "-c",
@@ -110,9 +97,6 @@ def test_a_process_that_may_not_have_the_memory_goes_on_without_the_model(tmp_pa
             f"--llm={small_gguf(tmp_path)}",
         ],
         input="where are you\n",
-        capture_output=True,
-        text=True,
-        timeout=HUNG_S,
     )
 
     assert done.returncode == 0, done.stderr

@@ -15,7 +15,7 @@ from pathlib import Path
 import pytest
 from ament_index_python.packages import get_package_prefix, get_package_share_directory
 from catkin_pkg.package import Package, parse_package
-from guards import HUNG_S
+from guards import HUNG_S, run_program
 from packaging.version import Version
 
 import edgevox
@@ -98,9 +98,7 @@ def test_every_program_can_be_run_from_the_installed_package(prefix: Path) -> No
     for name in found:
         command = [prefix / "lib" / "edgevox" / name, "--help"]
         environment = {**os.environ, "PYTHONPATH": sysconfig.get_path("purelib")}  # what it needs
-        done = subprocess.run(
-            command, env=environment, capture_output=True, text=True, timeout=HUNG_S
-        )
+        done = run_program(command, env=environment)
         assert f"usage: {name}" in done.stdout, done.stderr
 
 
@@ -163,12 +161,9 @@ class Prefix:
         marker.touch()
 
     def run(self, path: str = "/nowhere") -> subprocess.CompletedProcess[str]:
-        return subprocess.run(
+        return run_program(
             [self.script, "robot-apartment", "a b"],
             env={**FOREIGN, "PATH": f"{path}:/usr/bin:/bin"},
-            capture_output=True,
-            text=True,
-            timeout=HUNG_S,
         )
 
 

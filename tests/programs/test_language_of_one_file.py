@@ -2,12 +2,11 @@
 
 import os
 import shutil
-import subprocess
 import sys
 from pathlib import Path
 
 import pytest
-from guards import HUNG_S
+from guards import run_program
 
 import edgevox
 from edgevox.core.languages import CODES
@@ -48,14 +47,11 @@ def add(folder, text):
 
 
 def run(folder, program, *arguments, said=""):
-    return subprocess.run(
+    return run_program(
         [sys.executable, "-c", program, *arguments],
         cwd=folder,
         env=os.environ | {"PYTHONPATH": str(folder)},
         input=said,
-        capture_output=True,
-        text=True,
-        timeout=HUNG_S,
     )
 
 

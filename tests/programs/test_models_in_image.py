@@ -3,9 +3,10 @@
 import os
 import re
 import shutil
-import subprocess
 import sys
 from pathlib import Path
+
+from guards import run_program
 
 ROOT = Path(__file__).parents[2]
 STAGE = re.compile(r"^FROM \S+ AS fetched\n(.*?)^FROM", re.DOTALL | re.MULTILINE)
@@ -23,12 +24,9 @@ def test_the_models_are_fetched_with_the_few_files_that_are_copied_for_it(tmp_pa
                 place.mkdir(parents=True, exist_ok=True)
                 shutil.copy(ROOT / source, place)
 
-    told = subprocess.run(
+    told = run_program(
         [sys.executable, str(tmp_path / "docker" / "fetch_models"), str(tmp_path / "models")],
         env=os.environ | {"PYTHONPATH": str(tmp_path), "MODEL_SET": ""},
-        capture_output=True,
-        text=True,
-        check=False,
     )
 
     assert (told.returncode, told.stderr) == (0, "")

@@ -6,10 +6,10 @@ import sys
 from pathlib import Path
 
 import pytest
-from guards import HUNG_S
+from guards import run_program
 from llm_server import good, serving
 
-from edgevox.agent.llm.chat.grammar import SAY
+from edgevox.agent.llm.grammar import SAY
 
 pytestmark = pytest.mark.long
 
@@ -20,12 +20,9 @@ ANSWER = "That would be nice indeed."
 
 def ask(said: str, server_url: str, key: Path) -> "subprocess.CompletedProcess[str]":
     """A whole robot that is told this, with a model on a server."""
-    return subprocess.run(
+    return run_program(
         [AGENT, "robot-apartment", "--text-mode", "--simple-ui", "--llm", "none"],
         input=f"{said}\n",
-        capture_output=True,
-        text=True,
-        timeout=HUNG_S,
         env=os.environ
         | {"EDGEVOX_LLM_ENDPOINT": server_url, "EDGEVOX_LLM_ENDPOINT_KEY_FILE": str(key)},
     )

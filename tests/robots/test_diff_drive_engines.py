@@ -2,13 +2,12 @@
 
 import gc
 import math
-import subprocess
 import sys
 import tracemalloc
 from dataclasses import astuple
 
 import pytest
-from guards import HUNG_S
+from guards import run_program
 
 from edgevox.core.errors import EdgeVoxError, InvalidValue
 from edgevox.core.transforms import Pose2D
@@ -186,8 +185,6 @@ with IrsimRobot(speed=None) as robot:
     robot.reset()
 assert "irsim" in sys.modules
 """
-    done = subprocess.run(
-        [sys.executable, "-c", script], capture_output=True, text=True, timeout=HUNG_S
-    )
+    done = run_program([sys.executable, "-c", script])
 
     assert (done.returncode, done.stdout, done.stderr) == (0, "", "")

@@ -17,11 +17,11 @@ from edgevox.core.events import Outcome, Responded, TurnEnded
 from edgevox.core.transforms import Pose2D
 from edgevox.robots.flat.apartment import ApartmentRobot
 from edgevox.robots.flat.irsim import IrsimRobot
-from edgevox.robots.humanoid.skills import walking_skills
 from edgevox.robots.navigation import navigation_skills
 from edgevox.robots.panda.skills import manipulation_skills
-from edgevox.ros2.external.locations import Location
+from edgevox.robots.relative_skills import walking_skills
 from edgevox.ros2.external.robot import ExternalRobot
+from edgevox.ros2.external.settings import Location
 
 
 class Edgeless:

@@ -2,25 +2,19 @@
 
 import math
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
-from typing import Any, Self
+from typing import Any
 
 import phrases
 import pytest
-from guards import HUNG_S
 from held_time import HeldSkill, carry_out
+from spoken_robot import SpokenRobot
 
-from edgevox.agent.agents import Agent
-from edgevox.agent.conversation import Conversation
 from edgevox.agent.goals.goal import Goal
 from edgevox.agent.skills import SkillFailed, SkillSet
-from edgevox.apps.robots import build_body, open_places
-from edgevox.core.agent_events import ToolCalled
 from edgevox.core.bus import Bus
-from edgevox.core.commands import RunSkill, TextInput
 from edgevox.core.errors import InvalidValue
-from edgevox.core.events import Responded
-from edgevox.core.settings import check_settings
 from edgevox.robots.flat.diff_drive import DiffDriveRobot
 
 CHARGER = (7.0, 1.2)
@@ -28,52 +22,15 @@ WORKSHOP = Path(__file__).parents[2] / "examples" / "own_world" / "workshop.yaml
 ROBOTS = ["robot-apartment", pytest.param("robot-irsim", marks=pytest.mark.long)]
 
 
-class Talk:
-    """A robot that is spoken to, as `edgevox-agent` builds it, in a world without real time."""
-
-    def __init__(self, folder: Path, robot: str, language: str = "en", **more: Any) -> None:
-        settings = check_settings({"places": str(folder), **more})
-        self.body: Any = build_body(robot, settings, None)
-        open_places(self.body, settings)
-        self.said: list[str] = []
-        self.sources: list[str] = []
-        bus = Bus()
-        bus.subscribe(Responded, lambda event: self.said.append(event.text))
-        bus.subscribe(ToolCalled, lambda event: self.sources.append(event.source))
-        agent = Agent(robot, "", SkillSet(self.body.skills))
-        self.conversation = Conversation([agent], bus, halt=self.body.halt, language=language)
-
-    def __enter__(self) -> Self:
-        self.body.start()
-        self.conversation.start()
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.conversation.close()
-        self.body.close()
-
-    def say(self, *sentences: str) -> str:
-        """Say them one after another; what is said last."""
-        for sentence in sentences:
-            self.conversation.submit(TextInput(sentence))
-            assert self.conversation.wait_idle(HUNG_S)
-        return self.said[-1]
-
-    def command(self, name: str, /, **arguments: object) -> str:
-        """Run a skill as the topic `command` does; what is said last."""
-        self.conversation.submit(RunSkill(name, arguments))
-        assert self.conversation.wait_idle(HUNG_S)
-        return self.said[-1]
-
-    def distance_m(self, x_m: float, y_m: float) -> float:
-        pose = self.body.pose()
-        return math.dist((x_m, y_m), (pose.x_m, pose.y_m))
-
-
 @pytest.fixture
-def talk(tmp_path: Path) -> Callable[..., Talk]:
+def talk(tmp_path: Path) -> Callable[..., SpokenRobot]:
     """Builds a robot whose places are in one folder, as often as it is asked."""
-    return lambda robot="robot-apartment", **more: Talk(tmp_path, robot, **more)
+    return partial(SpokenRobot, tmp_path)
+
+
+def away_m(robot: SpokenRobot, x_m: float, y_m: float) -> float:
+    pose = robot.body.pose()
+    return math.dist((x_m, y_m), (pose.x_m, pose.y_m))
 
 
 @pytest.mark.parametrize("robot", ROBOTS)
@@ -84,12 +41,12 @@ def test_it_finds_back_to_a_place_that_it_was_told_the_name_of(talk, robot) -> N
             phrases.done("remember_place", name="charger")
         )
         one.say("go to the living room")
-        assert one.distance_m(*CHARGER) > 2.0
+        assert away_m(one, *CHARGER) > 2.0
 
         assert one.say("go to the charger") == phrases.done("navigate_to", location="charger")
 
-        assert one.distance_m(*CHARGER) < 0.3
-        assert set(one.sources) == {"template"}
+        assert away_m(one, *CHARGER) < 0.3
+        assert set(one.told("source")) == {"template"}
 
 
 @pytest.mark.parametrize("robot", ROBOTS)
@@ -102,7 +59,7 @@ def test_a_place_is_there_after_a_restart_in_its_world_and_in_no_other(talk, rob
         assert one.say("go to the loading dock") == phrases.done(
             "navigate_to", location="loading_dock"
         )
-        assert one.distance_m(*CHARGER) < 0.3
+        assert away_m(one, *CHARGER) < 0.3
 
 
 def test_it_forgets_and_tells_which_places_it_knows(talk) -> None:
@@ -192,15 +149,15 @@ def test_it_remembers_no_place_while_it_moves(held_robot: DiffDriveRobot) -> Non
 @pytest.mark.parametrize("robot", ROBOTS)
 def test_it_goes_to_a_point_that_was_given_a_name_from_afar(talk, robot) -> None:
     with talk(robot) as one:
-        before = one.distance_m(*CHARGER)
+        before = away_m(one, *CHARGER)
         named = one.command("remember_place", name="charger", x=CHARGER[0], y=CHARGER[1])
         assert named == phrases.done("remember_place", name="charger")
-        assert one.distance_m(*CHARGER) == before > 2.0
+        assert away_m(one, *CHARGER) == before > 2.0
         assert one.body.place_memory.find("charger").yaw is None
 
         assert one.say("go to the charger") == phrases.done("navigate_to", location="charger")
 
-        assert one.distance_m(*CHARGER) < 0.3
+        assert away_m(one, *CHARGER) < 0.3
     with talk(robot) as one:
         assert one.body.place_memory.find("charger").x == CHARGER[0]
 

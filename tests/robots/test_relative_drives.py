@@ -7,7 +7,7 @@ import phrases
 import pytest
 from guards import HUNG_S
 from held_time import STEP_S, HeldSkill, carry_out
-from test_policy_of_places import Talk
+from spoken_robot import SpokenRobot, trod
 
 from edgevox.agent.phrases.load import phrasebook
 from edgevox.agent.skills import SkillFailed, SkillSet
@@ -264,31 +264,31 @@ def test_progress_is_reported_while_it_drives_and_turns(in_hall) -> None:
     ],
 )
 def test_the_policy_bounds_how_far_and_where(tmp_path, policy, code) -> None:
-    with Talk(tmp_path, policy) as one:
+    with SpokenRobot(tmp_path, policy=policy) as one:
         before = one.body.pose()
         one.say("drive forward two metres")
 
-        assert one.codes[-1:] == ([code] if code else [])
+        assert one.told("code")[-1:] == ([code] if code else [])
         moved = math.dist(astuple(before)[:2], astuple(one.body.pose())[:2])
         assert moved == pytest.approx(0.0 if code else 2.0, abs=0.05)
 
 
 def test_the_policy_forbids_a_straight_way_into_a_room(tmp_path) -> None:
-    with Talk(tmp_path, "limits: {places: {never: [bedroom]}}") as one:
+    with SpokenRobot(tmp_path, policy="limits: {places: {never: [bedroom]}}") as one:
         one.say("go to x 3.2, y 4")
         north = math.pi / 2 - one.body.pose().yaw_rad
         one.body.turn(north, token=CancelToken(), report=lambda **_: None)
         one.say("drive forward three metres")
 
-        assert one.codes[-1:] == ["policy_place"]
-        assert "bedroom" not in one.trod
+        assert one.told("code")[-1:] == ["policy_place"]
+        assert "bedroom" not in trod(one)
 
 
 def test_a_new_policy_ends_a_drive_that_it_forbids(tmp_path) -> None:
-    with Talk(tmp_path, "rules: {}", speed=0.0) as one:
+    with SpokenRobot(tmp_path, speed=0.0) as one:
         goal = one.conversation.start_goal("drive_forward", {"distance": 2.0})
         one.body.advance(STEP_S)
-        one.file.write_text("rules: {'*': {drive_forward: deny}}")
+        one.under("rules: {'*': {drive_forward: deny}}")
 
         assert goal.wait(HUNG_S)
         assert (goal.status, goal.reason.code) == (GoalStatus.FAILED, "policy_denied")

@@ -12,13 +12,12 @@ from ports import free_port
 from textual.widgets import Footer, Input, RichLog, Static
 
 from edgevox.apps.agent.build import build_parts, start_parts
-from edgevox.apps.agent.example import example_command
 from edgevox.apps.robots import build_body
-from edgevox.apps.terminal.hints import first_hint
+from edgevox.apps.terminal.hints import example_command, first_hint
 from edgevox.apps.terminal.screen import Face, stderr_as_lines
 from edgevox.apps.terminal.slash_commands import SlashContext
-from edgevox.apps.terminal.themes import has_light_background
 from edgevox.apps.terminal.view import UpdateBuffer
+from edgevox.apps.terminal.widgets import has_light_background
 from edgevox.core.bus import Bus
 from edgevox.core.events import AudioLevel, TokenGenerated, TurnMeasured
 from edgevox.core.settings import load_settings

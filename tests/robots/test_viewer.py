@@ -14,7 +14,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from guards import HUNG_S
+from guards import HUNG_S, run_program
 from waiting import wait_until
 
 from edgevox.robots.flat.apartment import ApartmentRobot
@@ -196,9 +196,7 @@ def test_without_tkinter_the_window_says_what_to_install() -> None:
         "from edgevox.robots.flat.viewer_window import main; sys.exit(main())"
     )
 
-    done = subprocess.run(
-        [sys.executable, "-c", script], capture_output=True, text=True, timeout=HUNG_S
-    )
+    done = run_program([sys.executable, "-c", script])
 
     assert done.returncode == 3
     assert "apt install python3-tk" in done.stderr

@@ -37,6 +37,8 @@ def robot_process(script: str, *arguments: str, domain: int, namespace: str):
     process = subprocess.Popen(
         [sys.executable, str(HERE / script), "--namespace", namespace, *arguments],
         env=environment,
+        stdin=subprocess.PIPE,
+        text=True,
     )
     try:
         yield process

@@ -9,14 +9,13 @@ import hashlib
 import importlib.util
 import os
 import shutil
-import subprocess
 import sys
 import tempfile
 from collections.abc import Iterable
 from pathlib import Path
 from types import ModuleType
 
-from guards import HUNG_S
+from guards import run_program
 
 HERE = Path(__file__).parent
 SOURCES = HERE / "interfaces"
@@ -102,9 +101,7 @@ def _build(name: str, files: list[Path], place: Path, prefix: Path, build_msgs: 
         ["cmake", "-S", source, "-B", place / "build", "-G", "Ninja", *definitions],
         ["cmake", "--build", place / "build", "--target", "install"],
     ):
-        done = subprocess.run(
-            command, env=build_msgs.environment(), capture_output=True, text=True, timeout=HUNG_S
-        )
+        done = run_program(command, env=build_msgs.environment())
         assert done.returncode == 0, done.stdout + done.stderr
 
 

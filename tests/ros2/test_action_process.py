@@ -1,13 +1,12 @@
 """The action of a real agent: with its robot, without its interface, and when a side dies."""
 
 import json
-import subprocess
 import sys
 
 import phrases
 import pytest
 from action_rig import Client
-from guards import HUNG_S
+from guards import run_program
 from peer import RELIABLE, STATE
 from robot_states import far_room, moving, standing
 
@@ -94,12 +93,9 @@ def test_without_edgevox_msgs_one_line_says_so_and_the_agent_works():
         "import sys; sys.modules['edgevox_msgs'] = None\n"
         "from edgevox.apps.agent.main import main; sys.exit(main())"
     )
-    done = subprocess.run(
+    done = run_program(
         [sys.executable, "-c", program, "robot-apartment", "--text-mode", "--ros2", "--llm=none"],
         input="where are you\n",
-        capture_output=True,
-        text=True,
-        timeout=HUNG_S,
     )
     assert done.returncode == 0
     said = done.stdout + done.stderr

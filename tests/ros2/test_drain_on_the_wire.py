@@ -4,7 +4,6 @@ import http.client
 import json
 import signal
 import socket
-import subprocess
 import sys
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
@@ -14,7 +13,7 @@ import pytest
 from action_rig import Client
 from agent_process import READY, Agent
 from geometry_msgs.msg import Twist
-from guards import HUNG_S
+from guards import HUNG_S, run_program
 from interop_rig import tell, twist
 from peer import STATE
 from robot_states import moving, standing
@@ -63,13 +62,7 @@ class Driving:
         return answer.status, told
 
     def health(self, *flags):
-        return subprocess.run(
-            [HEALTH, *flags, "--port", str(self.port)],
-            capture_output=True,
-            text=True,
-            timeout=HUNG_S,
-            check=False,
-        )
+        return run_program([HEALTH, *flags, "--port", str(self.port)])
 
     def ended(self):
         return self.agent.process.wait(HUNG_S)

@@ -1,14 +1,13 @@
 """`edgevox-agent robot-external`: sentences drive a robot in another process."""
 
 import json
-import subprocess
 import sys
 
 import phrases
 import pytest
 from agent_process import AGENT
 from external_rig import Velocities, wheels
-from guards import HUNG_S
+from guards import run_program
 from peer import STATE
 
 LOCATIONS = "desk: {x: 0.8, y: 0.0, aliases: [table]}\ndock: {x: -1.0, y: 0.0}\n"
@@ -80,12 +79,7 @@ def test_a_sentence_drives_a_robot_that_only_speaks_ros_2_once_it_is_there(
     ],
 )
 def test_what_cannot_be_is_refused_with_its_field(arguments, said):
-    bad = subprocess.run(
-        [AGENT, "robot-external", "--text-mode", "--llm=none", *arguments],
-        capture_output=True,
-        text=True,
-        timeout=HUNG_S,
-    )
+    bad = run_program([AGENT, "robot-external", "--text-mode", "--llm=none", *arguments])
     assert bad.returncode == 2
     assert said in bad.stderr
 
@@ -95,11 +89,8 @@ def test_without_rclpy_it_says_what_it_needs():
         "import sys; sys.modules['rclpy'] = None\n"
         "from edgevox.apps.agent.main import main; sys.exit(main())"
     )
-    done = subprocess.run(
-        [sys.executable, "-c", program, "robot-external", "--text-mode", "--llm=none"],
-        capture_output=True,
-        text=True,
-        timeout=HUNG_S,
+    done = run_program(
+        [sys.executable, "-c", program, "robot-external", "--text-mode", "--llm=none"]
     )
     assert done.returncode == 2
     assert "robot-external needs ROS 2, and rclpy" in done.stderr

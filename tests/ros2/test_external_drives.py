@@ -29,9 +29,8 @@ from edgevox.agent.skills import SkillFailed
 from edgevox.core.cancel import Cancelled
 from edgevox.core.transforms import Pose2D, rotate
 from edgevox.robots.capabilities import Twist2D
-from edgevox.ros2.external.locations import Location
 from edgevox.ros2.external.robot import ExternalRobot
-from edgevox.ros2.external.settings import ExternalSettings, Patience, SteeringLimits
+from edgevox.ros2.external.settings import ExternalSettings, Location, Patience, SteeringLimits
 from edgevox.ros2.stamps import NS_PER_S, to_ns
 from edgevox_msgs.action import ExecuteSkill
 

@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 from agent_process import WITHOUT_ROS2
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
-from guards import HUNG_S
+from guards import HUNG_S, run_program
 from interop_rig import hear
 from ports import free_port
 from waiting import wait_until
@@ -132,9 +132,7 @@ def test_a_process_says_how_it_is_to_whoever_asks(agent):
     environment = {**os.environ, "EDGEVOX_HEALTH_PORT": str(port)}
 
     def ask(*flags):
-        return subprocess.run(
-            [HEALTH, *flags], env=environment, capture_output=True, text=True, timeout=HUNG_S
-        )
+        return run_program([HEALTH, *flags], env=environment)
 
     assert ask("--ready").stdout.startswith("ok: conversation ok, body ok, ros2 ok")
     assert ask("--live").returncode == 0

@@ -1,12 +1,11 @@
 """The robot's standard topics, with the agent in a process of its own."""
 
 import json
-import subprocess
 
 import pytest
 from agent_process import AGENT
 from geometry_msgs.msg import PoseStamped, Twist
-from guards import HUNG_S
+from guards import run_program
 from interop_rig import Stream, hear, tell, twist
 from peer import SENSOR, STATE
 from robot_states import far_room, standing
@@ -68,6 +67,15 @@ def test_a_goal_pose_outside_the_world_is_refused_and_the_robot_stands(resident,
     assert len(agent_event.messages) == 1, "no call, and one refusal"
 
 
+def test_a_goal_whose_quaternion_is_all_zero_is_refused(resident, robot):
+    lines = len(resident.lines)
+    lost = goal("map", 1.0, 1.0)
+    lost.pose.orientation.w = 0.0
+    tell(robot, PoseStamped, "/edgevox/goal_pose")(lost)
+    line = resident.wait_for_line("goal_pose_refused", since=lines)
+    assert "expected a quaternion of length 1" in line
+
+
 def test_a_goal_in_an_unknown_frame_is_refused_in_a_line_that_says_why(resident, robot):
     agent_event = robot.listen("agent_event")
     lines = len(resident.lines)
@@ -79,7 +87,7 @@ def test_a_goal_in_an_unknown_frame_is_refused_in_a_line_that_says_why(resident,
 
 @pytest.mark.parametrize("parameter", ["frame_prefix:=/robot1", "odom_frame:=base_link"])
 def test_a_frame_that_cannot_be_ends_the_process_with_its_reason(domain, parameter):
-    bad = subprocess.run(
+    bad = run_program(
         [
             AGENT,
             "robot-apartment",
@@ -89,11 +97,7 @@ def test_a_frame_that_cannot_be_ends_the_process_with_its_reason(domain, paramet
             "--ros-args",
             "-p",
             parameter,
-        ],
-        stdin=subprocess.DEVNULL,
-        capture_output=True,
-        text=True,
-        timeout=HUNG_S,
+        ]
     )
     assert bad.returncode == 1
     assert f"{parameter.partition(':')[0]}: got" in bad.stderr

@@ -11,7 +11,7 @@ import phrases
 import pytest
 from agent_process import AGENT, Agent
 from geometry_msgs.msg import Twist
-from guards import HUNG_S
+from guards import HUNG_S, run_program
 from ports import free_port
 from scraper import Scrape, scrape_until
 from waiting import wait_until
@@ -182,13 +182,7 @@ def test_without_a_port_nothing_of_it_is_imported() -> None:
 def test_a_port_that_is_taken_is_said_before_anything_is_loaded() -> None:
     with socket.create_server(("127.0.0.1", 0)) as taken:
         port = taken.getsockname()[1]
-        ran = subprocess.run(
-            [AGENT, "robot-apartment", "--text-mode", "--metrics-port", str(port)],
-            capture_output=True,
-            text=True,
-            stdin=subprocess.DEVNULL,
-            timeout=HUNG_S,
-        )
+        ran = run_program([AGENT, "robot-apartment", "--text-mode", "--metrics-port", str(port)])
     assert ran.returncode == 2
     assert f"metrics_port: got '127.0.0.1:{port}'" in ran.stderr
     assert "loading" not in ran.stdout

@@ -13,9 +13,8 @@ from std_msgs.msg import String
 
 from edgevox.agent.skills import SkillFailed
 from edgevox.robots.places.store import PlaceStore
-from edgevox.ros2.external.locations import Location
 from edgevox.ros2.external.robot import ExternalRobot
-from edgevox.ros2.external.settings import ExternalSettings, SteeringLimits
+from edgevox.ros2.external.settings import ExternalSettings, Location, SteeringLimits
 
 LOCATIONS = {"dock": Location(-1.0, 0.0, math.pi)}
 QUICK = ExternalSettings(steering=SteeringLimits(max_linear_m_s=0.6, max_angular_rad_s=1.5))

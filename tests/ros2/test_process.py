@@ -2,12 +2,11 @@
 
 import glob
 import os
-import subprocess
 import sys
 from pathlib import Path
 
 from agent_process import AGENT, READY, WITHOUT_ROS2, Agent
-from guards import HUNG_S
+from guards import HUNG_S, run_program
 from peer import STATE
 from robot_states import moving
 
@@ -37,12 +36,7 @@ def test_it_lives_without_a_terminal_and_leaves_after_sigterm_while_the_robot_dr
 
 
 def test_a_bad_namespace_ends_the_process_with_its_reason(domain):
-    bad = subprocess.run(
-        [AGENT, "robot-apartment", "--text-mode", "--ros2-namespace", "my robot"],
-        capture_output=True,
-        text=True,
-        timeout=HUNG_S,
-    )
+    bad = run_program([AGENT, "robot-apartment", "--text-mode", "--ros2-namespace", "my robot"])
     assert bad.returncode == 2
     assert "agent_namespace: got 'my robot', expected a ROS 2 namespace" in bad.stderr
 
@@ -58,13 +52,7 @@ def test_a_middleware_that_is_not_there_ends_the_process_with_its_reason(domain,
 
 def test_without_ros2_one_line_says_so_and_the_agent_works():
     flags = ["robot-apartment", "--text-mode", "--ros2", "--llm=none"]
-    done = subprocess.run(
-        [sys.executable, "-c", WITHOUT_ROS2, *flags],
-        input="where are you\n",
-        capture_output=True,
-        text=True,
-        timeout=HUNG_S,
-    )
+    done = run_program([sys.executable, "-c", WITHOUT_ROS2, *flags], input="where are you\n")
     assert done.returncode == 0
     assert "ROS 2: off, since rclpy cannot be imported" in done.stdout
     assert "I am in the" in done.stdout

@@ -2,7 +2,10 @@
 
 import pytest
 from doctor_process import ask_doctor
+from geometry_msgs.msg import TwistStamped
 from robot_file_rig import NAMESPACE, ROBOT_FILE, Asked, interfaces
+from sensor_msgs.msg import CompressedImage
+from std_msgs.msg import Int32
 
 ONLY = [part for name in ("ros2", "domain", "robot file") for part in ("--only", name)]
 LAMP, INT = f"{NAMESPACE}/lamp", "std_msgs/msg/Int32"
@@ -105,6 +108,22 @@ def test_what_is_missing_or_does_not_fit_is_told_with_what_is_there_and_would_be
     assert "does not fit in quality of service" in found
     assert {grade for grade, *_ in about(said, "wait_for_door")} == {"ok"}
     assert code == 1
+
+
+@pytest.mark.usefixtures("heard")
+def test_a_topic_of_the_contract_with_another_type_is_told_and_one_of_its_other_types_is_well(
+    look, peer
+):
+    node = peer(NAMESPACE).node
+    node.create_publisher(Int32, f"{NAMESPACE}/scan", 1)
+    node.create_publisher(CompressedImage, f"{NAMESPACE}/camera/image_raw", 1)
+    node.create_subscription(TwistStamped, f"{NAMESPACE}/wheels", print, 1)
+
+    _, said = look(("namespace: /robot1", "namespace: /robot1\ntopics: {cmd_vel: wheels}"))
+
+    fits = "sensor_msgs/msg/LaserScan or sensor_msgs/msg/PointCloud2"
+    told = f"topics: publisher {NAMESPACE}/scan has the type {INT}, and not {fits}"
+    assert about(said, "topics") == [("error", told, "its node has to change")]
 
 
 @pytest.mark.long

@@ -5,7 +5,7 @@ import subprocess
 import sys
 
 import pytest
-from guards import HUNG_S
+from guards import run_program
 
 pytestmark = pytest.mark.long
 
@@ -18,13 +18,7 @@ def _made(domain: int, *command: str) -> subprocess.CompletedProcess[str]:
     # A container's index of packages names the middlewares; here there is none before rclpy is.
     ours = ("EDGEVOX_", "RMW_")
     others = {name: value for name, value in os.environ.items() if not name.startswith(ours)}
-    return subprocess.run(
-        [*command, sys.executable, "-c", MAKE_A_NODE],
-        env=others | peers,
-        capture_output=True,
-        text=True,
-        timeout=HUNG_S,
-    )
+    return run_program([*command, sys.executable, "-c", MAKE_A_NODE], env=others | peers)
 
 
 def test_the_entrypoint_leaves_out_what_would_keep_a_node_from_starting(domain) -> None:

@@ -3,6 +3,7 @@
 import random
 from collections.abc import Mapping
 from functools import cache
+from pathlib import Path
 from types import MappingProxyType
 
 from hassil.expression import (
@@ -18,11 +19,11 @@ from hassil.parse_expression import parse_sentence
 from edgevox.agent.phrases.phrasebook import Phrasebook
 from edgevox.agent.skills import OneOf, Skill, SkillSet
 from edgevox.robots.facts import facts_of
-from edgevox.robots.humanoid.skills import walking_skills
 from edgevox.robots.navigation import navigation_skills
 from edgevox.robots.panda.skills import manipulation_skills, table_facts
+from edgevox.robots.pictures import Album, picture_skills
 from edgevox.robots.places.memory import PlaceMemory
-from edgevox.robots.relative_skills import driving_skills
+from edgevox.robots.relative_skills import driving_skills, walking_skills
 
 
 class Nobody:
@@ -43,6 +44,15 @@ class Nobody:
     def turn(self, angle_rad: float, **_: object) -> None: ...
 
 
+class Seer(Nobody):
+    """Has a camera."""
+
+    camera_spec = None
+
+    def camera(self) -> None: ...
+
+
+PICTURES = picture_skills(Seer(), Album(Path("pictures"), 1), lambda _: None)
 MEMORY = PlaceMemory("apartment", OneOf(tuple(Nobody.places), {"fridge": "kitchen"}))
 BODIES: Mapping[str, SkillSet] = {
     "apartment": SkillSet(
@@ -51,8 +61,8 @@ BODIES: Mapping[str, SkillSet] = {
             *driving_skills(Nobody()),
         ]
     ),
-    "humanoid": SkillSet(walking_skills(Nobody())),
-    "panda": SkillSet(manipulation_skills(Nobody())),
+    "humanoid": SkillSet([*walking_skills(Nobody()), *PICTURES]),
+    "panda": SkillSet([*manipulation_skills(Nobody()), *PICTURES]),
 }
 
 

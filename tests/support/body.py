@@ -186,7 +186,7 @@ class FakeBody:
             """Say where it is."""
             return {"x": 1.25}
 
-        @skill(templates=["(stay there|(wait|stand) here)"], says="Stopping.")
+        @skill(templates=["(stay there|(wait|stand) here|hold your position)"], says="Stopping.")
         def stop(goal: GoalHandle):
             """Stand."""
 

@@ -99,6 +99,7 @@ class Talk:
         **more: Any,
     ) -> None:
         self.bus, self.clock, self.interlock = Bus(), HeldClock(1000.0), Interlock()
+        self.guard = Guard(policy, self.bus)
         clock = more.pop("clock", self.clock)
         self.body = body or FakeBody(arrives=True)
         self._told = Told[Any]()
@@ -115,7 +116,7 @@ class Talk:
             confirm=confirm,
             clock=clock,
             interlock=self.interlock,
-            guard=Guard(policy, self.bus),
+            guard=self.guard,
             known=Known(
                 facts=facts,
                 pose=self.body.pose,

@@ -247,6 +247,7 @@ def _values(book: Phrasebook, *, doing: bool) -> dict[str, Any]:
         "question": book.sentences["abilities_question"],
         "reason": bare(book.reason(because("too_far"))),
         "said": "garage",
+        "second": can[1],
         "thing": book.word("red_cube"),
         "told": walking,
         "topic": "/robot1/edgevox",

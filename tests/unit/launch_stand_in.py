@@ -2,7 +2,7 @@
 
 import runpy
 import sys
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 from types import ModuleType
@@ -59,51 +59,25 @@ class Node:
 
 
 @dataclass
-class PythonLaunchDescriptionSource:
-    file: str
-
-
-@dataclass
-class IncludeLaunchDescription:
-    source: PythonLaunchDescriptionSource
-    launch_arguments: Iterable[tuple[str, str]] = ()
-
-    def __post_init__(self) -> None:
-        self.given = dict(self.launch_arguments)
-        self.description = runpy.run_path(self.source.file)["generate_launch_description"]()
-
-
-@dataclass
 class LaunchDescription:
     entities: list[Any]
 
     @property
     def arguments(self) -> dict[str, DeclareLaunchArgument]:
-        """All that are declared, here or in what is included."""
-        own = {e.name: e for e in self.entities if isinstance(e, DeclareLaunchArgument)}
-        for include in self._includes:
-            own |= include.description.arguments
-        return own
+        """All that are declared."""
+        return {e.name: e for e in self.entities if isinstance(e, DeclareLaunchArgument)}
 
     def nodes(self, **given: str) -> list[Node]:
         """What `ros2 launch edgevox FILE name:=value ...` would start."""
         defaults = {a.name: a.default_value or "" for a in self.arguments.values()}
         context = LaunchContext({**defaults, **given})
         functions = [e.function for e in self.entities if isinstance(e, OpaqueFunction)]
-        nodes = [node for function in functions for node in function(context)]
-        for include in self._includes:
-            nodes += include.description.nodes(**{**given, **include.given})
-        return nodes
-
-    @property
-    def _includes(self) -> list[IncludeLaunchDescription]:
-        return [e for e in self.entities if isinstance(e, IncludeLaunchDescription)]
+        return [node for function in functions for node in function(context)]
 
 
 MODULES = {
     "launch": (LaunchContext, LaunchDescription),
-    "launch.actions": (DeclareLaunchArgument, IncludeLaunchDescription, OpaqueFunction),
-    "launch.launch_description_sources": (PythonLaunchDescriptionSource,),
+    "launch.actions": (DeclareLaunchArgument, OpaqueFunction),
     "launch.substitutions": (LaunchConfiguration,),
     "launch_ros": (),
     "launch_ros.actions": (Node,),

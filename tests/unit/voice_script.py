@@ -7,7 +7,8 @@ import numpy as np
 from edgevox.voice.audio import FRAME_S, FRAME_SAMPLES, EndOfSound, Frame
 from edgevox.voice.stt.speech_to_text import Transcript
 
-VOICE, WAKE = 8000, 12000
+VOICE, WAKE, BUTTON = 8000, 12000, 9000
+"""A voice, the wake word, and a voice while its talk button is held."""
 SILENCE_AFTER = 30
 
 
@@ -30,7 +31,8 @@ class Script:
             raise EndOfSound("script: over")
         self.count += 1
         level = self.steps.pop(0)
-        return Frame(np.full(FRAME_SAMPLES, level, np.int16), self.count * FRAME_S)
+        samples = np.full(FRAME_SAMPLES, level, np.int16)
+        return Frame(samples, self.count * FRAME_S, addressed=level == BUTTON)
 
     def close(self):
         pass

@@ -41,7 +41,7 @@ from edgevox.core.files.yaml_file import YamlFile, parse_yaml
 from edgevox.core.settings import Settings
 from edgevox.robots.world.load import load_world
 from edgevox.ros2.external import EXTERNAL
-from edgevox.ros2.external.locations import load_locations
+from edgevox.ros2.external.settings import load_locations
 from edgevox.scenario import load_scenario
 
 HERE = Path(__file__).parent

@@ -4,8 +4,9 @@ A correction changes a call: "no, to the office" is the same call with another v
 argument.
 """
 
+import itertools
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 from functools import lru_cache
@@ -21,6 +22,9 @@ from edgevox.core.files.text import one_form
 
 MAX_TOKENS = 32
 """Number of tokens from which on a text is no answer."""
+
+_MOST_CUTS = 36
+"""Number of pairs of sentences that are tried for one with a choice."""
 
 _CLAUSE_END = re.compile(
     r"[;!?\u061b\u061f\u0964\u2026\u3001\u3002\uff01\uff0c\uff1b\uff1f\u060c]+|[.,:](?!\d)"
@@ -43,6 +47,9 @@ class _AnswerPart(StrEnum):
     NOT = "not"
     POLITE = "polite"
     LITTLE = "little"
+    INSTEAD = "instead"
+    FIRST = "first"
+    SECOND = "second"
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,10 +83,20 @@ class Answers:
         little = self._phrases(
             _AnswerPart.LITTLE, chain.from_iterable(one.little for one in tables)
         )
+        instead = self._phrases(
+            _AnswerPart.INSTEAD, chain.from_iterable(one.instead for one in tables)
+        )
+        first = self._phrases(_AnswerPart.FIRST, chain.from_iterable(one.first for one in tables))
+        second = self._phrases(
+            _AnswerPart.SECOND, chain.from_iterable(one.second for one in tables)
+        )
+        self._choosing = {**polite, **little, **instead, **first, **second}
+        self._or = _joining(chain.from_iterable(one.or_ for one in tables), spaced=spaced)
         self._yes = {**polite, **yes}
         self._no = {**polite, **nots, **nos}
         self._denials = {phrase[0] for phrase in chain(nos, nots)}
-        self._corrections = {**polite, **little, **nos, **nots}
+        self._takes_back = {word for phrase in instead for word in phrase} | self._denials
+        self._corrections = {**polite, **little, **instead, **nos, **nots}
 
     def read(self, text: str) -> Answer | None:
         """Yes or no if the text says nothing more, otherwise None."""
@@ -124,8 +141,45 @@ class Answers:
         return tuple(one.value for clause in clauses for one in _values(clause))
 
     def may_correct(self, text: str) -> bool:
-        """True if the text could hold a no; a quick check, since most texts do not."""
-        return not self._denials.isdisjoint(chain(*_clause_tokens(text, self._spaced)))
+        """True if the text could take something back; a quick check, since most texts do not."""
+        return not self._takes_back.isdisjoint(chain(*_clause_tokens(text, self._spaced)))
+
+    def alternatives(self, text: str) -> Iterator[tuple[str, str]]:
+        """Pairs of sentences to choose from; those that have the most in common come first.
+
+        "Take the red or the green cube" stands for "take the red cube" and "take the green cube".
+        """
+        found = self._or.search(text)
+        if found is None:
+            return
+        before, after = (
+            self._pieces(text[: found.start()].rstrip(" ,")),
+            self._pieces(text[found.end() :]),
+        )
+        cuts = itertools.product(range(1, len(before) + 1), range(1, len(after) + 1))
+        space = " " if self._spaced else ""
+        for left, right in sorted(cuts, key=sum)[:_MOST_CUTS]:
+            yield space.join(before + after[right:]), space.join(before[:-left] + after)
+
+    def _pieces(self, text: str) -> list[str]:
+        return text.split() if self._spaced else list(text.strip())
+
+    def chosen(self, text: str, alternatives: tuple[str, str]) -> int | None:
+        """The index of the one of two sentences that a text chooses, or None.
+
+        "The second", "the green one please" and "to the office" choose; "not the office" does not.
+        """
+        first, second = (
+            {*chain.from_iterable(_clause_tokens(one, self._spaced))} for one in alternatives
+        )
+        words: _Phrases = {
+            **{(one,): _AnswerPart.LITTLE for one in first & second},
+            **{(one,): _AnswerPart.FIRST for one in first - second},
+            **{(one,): _AnswerPart.SECOND for one in second - first},
+        }
+        said = chain.from_iterable(self._clauses(text, {**self._choosing, **words}))
+        named = {*said} & {_AnswerPart.FIRST, _AnswerPart.SECOND}
+        return int(_AnswerPart.SECOND in named) if len(named) == 1 else None
 
     def _clauses(self, text: str, phrases: _Phrases) -> Sequence[_Clause]:
         """The phrases of each clause; empty if a clause holds anything else."""
@@ -137,6 +191,11 @@ class Answers:
 
     def _phrases(self, part: _Found, said: Iterable[str]) -> dict[tuple[str, ...], _Found]:
         return {form: part for one in said for form in _forms(one, self._spaced)}
+
+
+def _joining(words: Iterable[str], *, spaced: bool) -> re.Pattern[str]:
+    one = "|".join(map(re.escape, sorted(words, key=len, reverse=True))) or "(?!)"
+    return re.compile(rf"(?<!\w)(?:{one})(?!\w)" if spaced else one, re.IGNORECASE)
 
 
 @lru_cache(maxsize=4096)
@@ -181,10 +240,11 @@ def _values(clause: _Clause) -> list[_Value]:
 
 
 def _says_no(clause: _Clause) -> bool:
-    """True if the clause says no to an earlier sentence, not to its own words."""
+    """True if the clause takes back an earlier sentence, not its own words."""
     plain = [part for part in clause if part is not _AnswerPart.POLITE]
-    alone = set(plain) <= {Answer.NO, _AnswerPart.NOT}
-    return bool(plain) and (alone or plain[0] is Answer.NO)
+    alone = not _values(clause) and not {Answer.NO, _AnswerPart.NOT}.isdisjoint(plain)
+    instead = _AnswerPart.INSTEAD in (*plain[:1], *plain[-1:])
+    return bool(plain) and (alone or instead or plain[0] is Answer.NO)
 
 
 def _negated(clause: _Clause) -> set[str]:

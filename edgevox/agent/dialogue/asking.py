@@ -15,6 +15,7 @@ from edgevox.agent.dialogue.question import OpenQuestion, Question
 from edgevox.agent.dialogue.skills import DialogueSkills
 from edgevox.agent.goals.executor import SkillExecutor
 from edgevox.agent.goals.goal import Goal
+from edgevox.agent.nlu.disfluencies import is_back_channel
 from edgevox.agent.nlu.interpreter import Interpreter
 from edgevox.agent.nlu.meaning import Meaning
 from edgevox.agent.phrases.phrasebook import Phrasebook
@@ -22,6 +23,7 @@ from edgevox.agent.policy import NeedsConfirmation
 from edgevox.agent.programs.keeper import Programs
 from edgevox.agent.programs.questions import ProgramQuestions
 from edgevox.agent.skills import STOP, Call, Skill
+from edgevox.agent.text.words import continued
 from edgevox.agent.turn import Turn
 from edgevox.core.agent_events import ConfirmationStatus
 from edgevox.core.events import Outcome
@@ -141,6 +143,9 @@ def _is_asked_about(one: Skill) -> bool:
     return one.drives or one.lasting or one.confirm
 
 
+WHETHER_IN, WHERE = "are_you_in", "get_pose"
+"""The question whether the robot is in a place, and the one that is asked with two places."""
+
 YES_FROM = 0.6
 """Recognition confidence below which the robot asks again after a spoken yes, so that no guessed
 yes moves it. Of 58 yeses by the tuning voices, in quiet and in noise, 55 were surer."""
@@ -180,12 +185,33 @@ class Asking:
         """Forget the last drive, so that nothing is left to correct."""
         self._last.forget()
 
+    def follows(self, text: str) -> bool:
+        """True if these words answer the robot, correct it or are a plain command. Any thread."""
+        answer = self._answers.read(text)
+        if answer is Answer.YES and self.question.asked:
+            return True
+        if answer is Answer.NO and (self.question.asked or self._performer.moving):
+            return True
+        if self._correction(text):
+            return True
+        plain = self._interpreter.plain(text)
+        return isinstance(plain, Meaning) and plain.sure
+
+    def encourages(self, text: str) -> bool:
+        """True if words over the robot's speech want it to go on: "mm-hm", laughter. Any thread."""
+        if self.question.asked:
+            return False
+        said_yes = self._answers.read(text) is Answer.YES
+        return said_yes or is_back_channel(text, self._interpreter.phrases.code)
+
     def attend(self, text: str, turn: Turn, said_s: float) -> Meaning | None:
         """Do what these words ask for, or ask first; return what was done, or None.
 
         `said_s` is the time when the words ended: words from before a question do not answer it.
         """
         self.question.expire()
+        if choice := self._chosen(text):
+            return self._carried_out(choice, turn, said_s)
         answer = self._answers.read(text)
         halt = self._halt(text, answer)
         if halt is None and answer and self._counts(answer, text):
@@ -199,6 +225,8 @@ class Asking:
                 return None
             if self._performer.answer(rest, turn):
                 return None
+            if either := self._either(rest):
+                return self._do_either(*either, turn)
             meaning = self._dialogue_skills.meant(self._interpreter.understand(rest, turn), turn)
         if meaning is None or turn.token.cancelled:
             return meaning
@@ -267,23 +295,77 @@ class Asking:
             asked = self.question.end(ConfirmationStatus.DECLINED)
             turn.say(self._interpreter.phrases.say("left_undone" if asked else "what_instead"))
             return None
+        asked = self.question.asked
+        meant = asked.meaning if asked and not asked.other else None
+        return self._carried_out(meant, turn, said_s)
+
+    def _carried_out(self, meaning: Meaning | None, turn: Turn, said_s: float) -> Meaning | None:
+        """Do what an answer chose, if it was plainly heard in time; else ask again."""
         if not self.question.is_answered_at(said_s):
             turn.say(self._interpreter.phrases.say("nothing_asked"))
             return None
-        if turn.hearing < YES_FROM:
+        if turn.hearing < YES_FROM or meaning is None:
             self._ask_again(turn)
             return None
         question = self.question.end(ConfirmationStatus.CONFIRMED)
         if question is None:  # a stop has cancelled it meanwhile
             return None
-        meaning = question.meaning
         self._dialogue_skills.confirmed(turn.number, question.turn)
         if prepared := self._performer.prepare(meaning, turn, confirmed=True):
             self._performer.perform(prepared, turn)
         return meaning
 
+    def _chosen(self, text: str) -> Meaning | None:
+        """The one of two meanings that an answer to the open question chooses, or None."""
+        asked = self.question.asked
+        if asked is None or asked.other is None:
+            return None
+        chosen = self._answers.chosen(text, asked.sentences)
+        return None if chosen is None else (asked.meaning, asked.other)[chosen]
+
+    def _either(self, text: str) -> tuple[tuple[str, str], tuple[Meaning, Meaning]] | None:
+        """The two orders or questions that a sentence with an "or" leaves open, or None."""
+        if self._is_plain(text):
+            return None
+        for sentences in self._answers.alternatives(text):
+            first, second = map(self._interpreter.plain, sentences)
+            if (
+                isinstance(first, Meaning)
+                and isinstance(second, Meaning)
+                and first.agent is second.agent
+                and all(one.sure and not _names_anything(one) for one in (first, second))
+            ):
+                return sentences, (first, second)
+        return None
+
+    def _do_either(
+        self, sentences: tuple[str, str], meanings: tuple[Meaning, Meaning], turn: Turn
+    ) -> Meaning | None:
+        """Ask which of two orders to do; two questions are both answered."""
+        first, second = meanings
+        both = replace(first, calls=(*first.calls, *second.calls))
+        if self._dialogue_skills.only_tells(both.calls):
+            if {one.skill for one in both.calls} == {WHETHER_IN}:
+                both = replace(first, calls=(Call(WHERE),))
+            return both if self.act(both, turn) else None
+        prepared = [self._performer.prepare(one, turn, confirmed=True) for one in meanings]
+        asked = [one for one in prepared if one]
+        if len(asked) == 2:
+            say = self._interpreter.phrases.say
+            one, other = map(self._performer.question, asked)
+            text = say("either", first=one, second=continued(other))
+            meant, instead = (one.meaning for one in asked)
+            self._put(Question(meant, text, turn.number, instead, sentences), turn)
+        return None
+
     def _corrected(self, text: str) -> Meaning | None:
-        """The correction of the open question or of the last drive, or None."""
+        """The correction of the open question, which it ends, or of the last drive, or None."""
+        right = self._correction(text)
+        if right:
+            self.question.end(ConfirmationStatus.DECLINED)
+        return right
+
+    def _correction(self, text: str) -> Meaning | None:
         asked, drive = self.question.asked, self._last.corrigible
         if asked:
             agent, calls = asked.meaning.agent, asked.meaning.calls
@@ -301,7 +383,6 @@ class Asking:
         right = right or self._other_way(wrong, agent, text)
         if right is None:
             return None
-        self.question.end(ConfirmationStatus.DECLINED)
         return Meaning(agent, tuple(right if c is wrong else c for c in calls), "template")
 
     def _other_way(self, wrong: Call, agent: Agent, text: str) -> Call | None:
@@ -359,6 +440,11 @@ class Asking:
             return rest if plain else ""
         self.question.end(ConfirmationStatus.REPLACED)
         return text
+
+
+def _names_anything(meaning: Meaning) -> bool:
+    """True if a call takes words that name nothing known, and perhaps words of both choices."""
+    return any(meaning.agent.every_skill[call.skill].new_names for call in meaning.calls)
 
 
 def _answers(book: Phrasebook) -> Answers:

@@ -11,7 +11,7 @@ from edgevox.agent.dialogue.memory import Dialogue, MotionRecord
 from edgevox.agent.known import Known, about_s
 from edgevox.agent.phrases.phrasebook import Phrasebook
 from edgevox.agent.skills import GoalHandle, Result, Skill, skill
-from edgevox.agent.skills.choices import NewName
+from edgevox.agent.skills.skill import NewName
 from edgevox.core.agent_events import GoalStatus
 
 LAST_DONE = "what_did_you_do"

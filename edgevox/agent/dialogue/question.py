@@ -17,7 +17,7 @@ _LAPSES = (ConfirmationStatus.EXPIRED, ConfirmationStatus.CANCELLED)
 
 @dataclass(frozen=True, slots=True)
 class Question:
-    """A yes-or-no question."""
+    """A yes-or-no question, or one with two meanings to choose from."""
 
     meaning: Meaning
     """The meaning that a yes carries out."""
@@ -25,6 +25,10 @@ class Question:
     """The question as it is said."""
     turn: int
     """Number of the turn that asks."""
+    other: Meaning | None = None
+    """The second meaning to choose; a yes then chooses none."""
+    sentences: tuple[str, str] = ("", "")
+    """The sentences of the two meanings."""
 
 
 class OpenQuestion:
@@ -129,5 +133,8 @@ class OpenQuestion:
         return question
 
     def _tell(self, question: Question, status: ConfirmationStatus) -> None:
-        calls = tuple(AskedCall(call.skill, call.arguments) for call in question.meaning.every_call)
+        meanings = [one for one in (question.meaning, question.other) if one]
+        calls = tuple(
+            AskedCall(call.skill, call.arguments) for one in meanings for call in one.every_call
+        )
         self._bus.publish(Confirmation(status, question.text, calls, EXPIRES_S, turn=question.turn))

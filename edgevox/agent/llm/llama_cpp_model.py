@@ -11,7 +11,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from edgevox.agent.llm import tuning
+from edgevox.agent.llm import weights
 from edgevox.agent.llm.language_model import CONTEXT_TOKENS, ChatMessage, ModelFailed
 from edgevox.core.cancel import CancelToken
 from edgevox.core.errors import install_extra
@@ -31,19 +31,19 @@ class LlamaCppModel:
     def __init__(
         self, path: Path, *, context_tokens: int = CONTEXT_TOKENS, threads: int | None = None
     ) -> None:
-        tuning.spin_briefly()
+        weights.spin_briefly()
         self.name = path.stem
         self.context_tokens = context_tokens
         self._lock = threading.Lock()
         self._closed = threading.Event()
         self._engine = _engine()
-        count = threads or tuning.default_threads()
+        count = threads or weights.default_threads()
         try:
             self._llama: Any = self._engine.Llama(
                 str(path),
                 n_ctx=context_tokens,
-                n_batch=tuning.BATCH_TOKENS,
-                n_ubatch=tuning.BATCH_TOKENS,
+                n_batch=weights.BATCH_TOKENS,
+                n_ubatch=weights.BATCH_TOKENS,
                 n_threads=count,
                 n_threads_batch=count,
                 verbose=False,
@@ -107,10 +107,10 @@ class LlamaCppModel:
         state = self._llama.input_ids[: self._llama.n_tokens]
         same = sum(1 for _ in itertools.takewhile(_equal, zip(state, prompt, strict=False)))
         self._llama.n_tokens = min(same, len(prompt) - 1)
-        for start in range(self._llama.n_tokens, len(prompt), tuning.BATCH_TOKENS):
+        for start in range(self._llama.n_tokens, len(prompt), weights.BATCH_TOKENS):
             if self._unwanted(token):
                 return False
-            self._llama.eval(prompt[start : start + tuning.BATCH_TOKENS])
+            self._llama.eval(prompt[start : start + weights.BATCH_TOKENS])
         return True
 
     def _decode(self, sampler: Any, room: int, token: CancelToken) -> Iterator[str]:

@@ -1,9 +1,21 @@
-"""Checks of a GGUF file before an engine loads it, and of the memory that it needs.
+"""What a model on board takes of the machine: its GGUF file, checked, its memory and its threads.
 
-The loader of models and the doctor use both.
+Threads share the processor with the robot. Measured with Qwen2.5-Coder-0.5B Q4_K_M on two cores,
+tokens/s of prompt and of answer, alone | beside a thread that wants 20 % of a core | beside one
+that wants all of it:
+
+    2 threads, OpenMP's own spinning    160, 45 | 46, 2.5 | 56, 14
+    2 threads, no spinning (PASSIVE)    130, 28 | 102, 21 | 79, 26
+    2 threads, GOMP_SPINCOUNT=1000      141, 44 | 110, 33 | 71, 19
+    1 thread                             82, 29 |  82, 29 | 80, 29
+
+A thread that waits by spinning burns the time slice that the thread it waits for needs; one that
+sleeps at once pays a wake-up per matrix. A short spin keeps both the speed of two cores and the
+robot's share, so all cores are used, with that.
 """
 
 import math
+import os
 import resource
 import struct
 from collections.abc import Mapping
@@ -13,7 +25,7 @@ from typing import BinaryIO
 
 from edgevox.agent.llm.language_model import ModelFailed
 from edgevox.core.files.user_file import regular
-from edgevox.core.process import memory_left
+from edgevox.core.process import memory_left, usable_cpus
 
 _MAGIC = b"GGUF"
 _SCALARS = {0: 1, 1: 1, 2: 2, 3: 2, 4: 4, 5: 4, 6: 4, 7: 1, 10: 8, 11: 8, 12: 8}
@@ -170,3 +182,25 @@ def _address_space_left() -> int | None:
         return None
     taken = int(Path("/proc/self/statm").read_text(encoding="ascii").split()[0])
     return max(0, most - taken * resource.getpagesize())
+
+
+SPIN_COUNT = 1000
+BATCH_TOKENS = 32
+"""Tokens of prompt that are read between two looks at the cancel token: a quarter of a second with
+the small model on two cores. Batches of 512 read only some 10 % faster."""
+MOST_THREADS = 8
+"""More than these wait for memory, not for each other."""
+
+
+def spin_briefly() -> None:
+    """Tell OpenMP how long to spin; to be called before an engine's library is loaded.
+
+    What the environment already says about waiting is left as it is.
+    """
+    if "OMP_WAIT_POLICY" not in os.environ:
+        os.environ.setdefault("GOMP_SPINCOUNT", str(SPIN_COUNT))
+
+
+def default_threads() -> int:
+    """As many threads as this process may use cores, within reason."""
+    return min(usable_cpus(), MOST_THREADS)

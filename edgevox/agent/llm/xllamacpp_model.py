@@ -22,7 +22,7 @@ from pathlib import Path
 from queue import SimpleQueue
 from typing import Any
 
-from edgevox.agent.llm import tuning
+from edgevox.agent.llm import weights
 from edgevox.agent.llm.language_model import CONTEXT_TOKENS, ChatMessage, ModelFailed
 from edgevox.core.cancel import CancelToken
 from edgevox.core.errors import install_extra
@@ -120,7 +120,7 @@ class XllamacppModel:
     def __init__(
         self, path: Path, *, context_tokens: int = CONTEXT_TOKENS, threads: int | None = None
     ) -> None:
-        tuning.spin_briefly()
+        weights.spin_briefly()
         self.name = path.stem
         self.context_tokens = context_tokens
         self._closed = threading.Event()
@@ -245,12 +245,12 @@ def _serve(path: Path, context_tokens: int, threads: int | None, socket: Path, k
         raise ModelFailed(
             f"xllamacpp cannot be imported ({error}): {install_extra('llm')}"
         ) from None
-    count = threads or tuning.default_threads()
+    count = threads or weights.default_threads()
     wanted = xllamacpp.CommonParams()
     wanted.model.path = str(path)
     wanted.n_ctx = context_tokens
     wanted.n_parallel = 1
-    wanted.n_batch = wanted.n_ubatch = tuning.BATCH_TOKENS
+    wanted.n_batch = wanted.n_ubatch = weights.BATCH_TOKENS
     wanted.cpuparams.n_threads = wanted.cpuparams_batch.n_threads = count
     wanted.cache_ram_mib = KEPT_PROMPTS_MIB
     wanted.n_ctx_checkpoints = 0

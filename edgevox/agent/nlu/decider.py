@@ -270,6 +270,7 @@ class Readings:
                 left = self._is_left(reading, lexicon, plain)
                 held_back = denied or left or _held_back(reading, facts)
                 held_back = held_back or _is_about_another_thing(reading, lexicon)
+                held_back = held_back or _asks_about_another(reading, lexicon)
                 return Judged(
                     reading,
                     facts,
@@ -403,6 +404,15 @@ def _is_about_another_thing(reading: Reading, lexicon: Lexicon) -> bool:
         for part in reading.parts
         if lexicon.skills[part.call.skill].relative
     )
+
+
+def _asks_about_another(reading: Reading, lexicon: Lexicon) -> bool:
+    """True if the words ask about an ability that the skills' words do not name.
+
+    "Can you pick up a cube" asks no robot without hands to stand up.
+    """
+    asks = lexicon.index(lexicon.function_words.abilities).starts(reading.tokens)
+    return bool(asks) and any(part.strange > 0 and not part.grounded for part in reading.parts)
 
 
 def _held_back(reading: Reading, facts: Mapping[str, float]) -> bool:

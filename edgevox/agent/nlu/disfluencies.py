@@ -17,6 +17,8 @@ _MARKS = " \u3001\u3002,."
 _LONGER = re.compile(r"(.)\1+")
 _DRAWN_OUT = re.compile(r"([b-df-hj-ln-tvw])\1{2,}[.,]?", re.IGNORECASE)
 """A consonant, held: "fff". Letters of the axes are none of these, nor is the metre's."""
+_HUM = re.compile(r"[hmnu]+")
+"""A hum, as speech recognition spells it: "M-H-M", "Uhm-hum"."""
 _BROKEN_OFF = re.compile(r"(?![xyz]$)[b-df-hj-np-tv-xz]{1,3}")
 """The beginning of a word that is no word: with a vowel it may be one, and so may an axis."""
 
@@ -36,6 +38,31 @@ def fluent(text: str, language: str) -> str:
     said, plain = _without_begun(said[start:], plain[start:])
     again = _said_again(plain)
     return " ".join(one for at, one in enumerate(said) if at not in again) or text
+
+
+def is_back_channel(text: str, language: str) -> bool:
+    """True if these words only tell that somebody listens; also for no words: laughter, a cough."""
+    said, known = _pieces(text, language), _back_channels(language)
+    said = [one for one in said if not _HUM.fullmatch(one)]
+    while said:
+        size = max((len(one) for one in known if said[: len(one)] == one), default=0)
+        if not size:
+            return False
+        said = said[size:]
+    return True
+
+
+@cache
+def _back_channels(language: str) -> list[list[str]]:
+    hearing = phrasebook(language).hearing
+    return [_pieces(one, language) for one in (*hearing.hesitations, *hearing.back_channels)]
+
+
+def _pieces(text: str, language: str) -> list[str]:
+    """The words as `_plain` has them; the characters, in a script without spaces."""
+    words = key(text).split()
+    spaced = phrasebook(language).hearing.spaced
+    return [_plain(word) for word in words] if spaced else list("".join(words))
 
 
 def _plain(word: str) -> str:

@@ -8,9 +8,9 @@ sentence is an order; then the robot asks first.
 from collections.abc import Iterable, Sequence
 
 from edgevox.agent.agents import Agent, by_name
-from edgevox.agent.llm.chat.calls import HANDOFF, Protocol
-from edgevox.agent.llm.chat.prompt import History, size_tokens
+from edgevox.agent.llm.calls import HANDOFF, Protocol
 from edgevox.agent.llm.language_model import ChatMessage, LanguageModel, ModelBusy, ModelFailed
+from edgevox.agent.llm.prompt import History, size_tokens
 from edgevox.agent.nlu.abilities import abilities, not_understood
 from edgevox.agent.nlu.decider import Decider, Decision, Readings
 from edgevox.agent.nlu.disfluencies import fluent

@@ -23,7 +23,7 @@ HEARD_FROM = 0.8
 """Product of the confidences of hearing and of meaning below which the robot asks before a motion.
 Of 1,152 commands by the tuning voices (`training/acoustics`), in noise at 10, 5 and 0 dB, no wrong
 one was done, with a lower confidence for words that were only expected
-(`edgevox.voice.stt.plausible`); with 0.75 one was."""
+(`edgevox.voice.stt.speech_to_text`); with 0.75 one was."""
 
 
 @dataclass(frozen=True, slots=True)

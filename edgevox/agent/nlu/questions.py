@@ -54,9 +54,10 @@ def asks_whether(text: str, code: str) -> bool:
     """True if the words ask about an ability other than to talk: "can you fly"."""
     words = words_of(code)
     said = f" {plain(text)} "
-    return any(plain(one) in said for one in words.abilities) and not _holds(
-        text, words.talking, code
-    )
+    asked = [plain(one) for one in words.abilities if plain(one) in said]
+    for one in asked:
+        said = said.replace(one, " ")
+    return bool(asked) and not _holds(said, words.talking, code)
 
 
 def is_about_hearer(text: str, code: str) -> bool:

@@ -36,7 +36,7 @@ from edgevox.agent.phrases.own_names import phrasebook_of
 from edgevox.agent.phrases.phrasebook import Hearing, Phrasebook, brief, whole
 from edgevox.agent.skills import NO_SKILLS, Call, Skill, SkillSet
 from edgevox.agent.skills.arguments import is_number_type
-from edgevox.agent.skills.choices import OneOf
+from edgevox.agent.skills.skill import OneOf
 from edgevox.agent.text.spelling import (
     ENDING,
     NUMBER,

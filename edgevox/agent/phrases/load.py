@@ -6,7 +6,7 @@ of a package of skills.
 
 import re
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -28,6 +28,9 @@ from edgevox.core.files.text import one_form
 from edgevox.core.languages import LANGUAGES, language_file
 from edgevox.core.reason import Reason
 
+_FIELDS = {"not": "not_", "or": "or_"}
+"""Fields of `AnswerWords` that are no names in Python without a mark."""
+
 ENGLISH = "en"
 """The language that skills and robots speak by themselves, and that all others fall back to."""
 
@@ -42,7 +45,8 @@ def phrasebook(code: str) -> Phrasebook:
 
 
 def _book(code: str, data: Mapping[str, Any], fallback: Phrasebook | None) -> Phrasebook:
-    hearing = _hearing(data.get("hear", {}), spaced=LANGUAGES[code].spaced)
+    ors = data.get("answers", {}).get("or", ())
+    hearing = _hearing(data.get("hear", {}), ors, spaced=LANGUAGES[code].spaced)
     return Phrasebook(
         code=code,
         name=LANGUAGES[code].name,
@@ -71,11 +75,11 @@ def _book(code: str, data: Mapping[str, Any], fallback: Phrasebook | None) -> Ph
     )
 
 
-def _hearing(data: Mapping[str, Any], *, spaced: bool) -> Hearing:
+def _hearing(data: Mapping[str, Any], ors: Sequence[str], *, spaced: bool) -> Hearing:
     return Hearing(
         joints=tuple(data.get("joints", ())),
         articles=tuple(data.get("articles", ())),
-        clause_words=frozenset(map(key, data.get("clause_words", ()))),
+        clause_words=frozenset(map(key, (*data.get("clause_words", ()), *(ors if spaced else ())))),
         pair=data.get("pair", "and"),
         spaced=spaced,
         written=data.get("written", ""),
@@ -84,12 +88,13 @@ def _hearing(data: Mapping[str, Any], *, spaced: bool) -> Hearing:
         unfinished=tuple(map(key, data.get("unfinished", ()))),
         goes_on=tuple(data.get("goes_on", ())),
         hesitations=tuple(data.get("hesitations", ())),
+        back_channels=tuple(data.get("back_channels", ())),
         openers=tuple(data.get("openers", ())),
     )
 
 
 def _answers(data: Mapping[str, Any]) -> AnswerWords:
-    return AnswerWords(**{("not_" if n == "not" else n): tuple(w) for n, w in data.items()})
+    return AnswerWords(**{_FIELDS.get(name, name): tuple(w) for name, w in data.items()})
 
 
 def _numbers(data: Mapping[str, Any], hearing: Hearing) -> Numbers:

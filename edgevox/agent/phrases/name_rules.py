@@ -29,7 +29,7 @@ from edgevox.agent.phrases.numbers import digits
 from edgevox.agent.phrases.own_names import heard, without_article
 from edgevox.agent.phrases.phrasebook import written_out
 from edgevox.agent.skills import OneOf, Skill
-from edgevox.agent.skills.choices import OwnName
+from edgevox.agent.skills.skill import OwnName
 from edgevox.agent.stop.words import find_stop_word
 from edgevox.agent.text.same_name import name_form, names_meant
 from edgevox.agent.text.spelling import folded, key, separated, unpunctuated

@@ -11,7 +11,7 @@ from dataclasses import replace
 from edgevox.agent.phrases.load import phrasebook
 from edgevox.agent.phrases.phrasebook import Phrasebook
 from edgevox.agent.skills import Skill
-from edgevox.agent.skills.choices import OwnName
+from edgevox.agent.skills.skill import OwnName
 from edgevox.agent.text.spelling import key
 from edgevox.agent.text.words import Word
 from edgevox.core.files.text import one_form

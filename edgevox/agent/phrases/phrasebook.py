@@ -15,7 +15,7 @@ from itertools import zip_longest
 from typing import Any
 
 from edgevox.agent.skills import Example, Skill, SkillPhrases
-from edgevox.agent.skills.choices import MOST_HINTS, OneOf
+from edgevox.agent.skills.skill import MOST_HINTS, OneOf
 from edgevox.agent.text.number_words import Numbers, NumberWords, Rewriting
 from edgevox.agent.text.spelling import key
 from edgevox.agent.text.words import (
@@ -135,6 +135,8 @@ class Hearing:
     """Examples of words that may follow a whole command: "90 degrees" after "turn left"."""
     hesitations: tuple[str, ...] = ()
     """Sounds of somebody who looks for words, each letter as long as may be: "uh"."""
+    back_channels: tuple[str, ...] = ()
+    """What people say while they listen, and want the speaker to go on: "mm-hm", "I see"."""
     openers: tuple[str, ...] = ()
     """Words that open a sentence and mean nothing to a robot: "and then"."""
 
@@ -148,6 +150,10 @@ class AnswerWords:
     not_: tuple[str, ...] = ()
     polite: tuple[str, ...] = ()
     little: tuple[str, ...] = ()
+    instead: tuple[str, ...] = ()
+    or_: tuple[str, ...] = ()
+    first: tuple[str, ...] = ()
+    second: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

@@ -11,10 +11,9 @@ from edgevox.agent.nlu.hearing.near import NearStop
 from edgevox.agent.nlu.hearing.sounds import Phonemes
 from edgevox.agent.phrases.phrasebook import Phrasebook
 from edgevox.agent.programs.keeper import Programs
-from edgevox.agent.states import StateMachine
 from edgevox.agent.stop.words import SafetyWords
 from edgevox.agent.text.reasons import because, called_off
-from edgevox.agent.turn import Turn
+from edgevox.agent.turn import StateMachine, Turn
 from edgevox.core.agent_events import HeardBy, SafetyPreempted
 from edgevox.core.bus import Bus
 from edgevox.core.clock import Clock

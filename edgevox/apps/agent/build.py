@@ -13,8 +13,8 @@ from edgevox import __version__
 from edgevox.agent.agents import Agent
 from edgevox.agent.conversation import Conversation
 from edgevox.agent.known import NOTHING_KNOWN
-from edgevox.agent.llm.chat.prompt import PromptPrefill
 from edgevox.agent.llm.language_model import LanguageModel, ModelFailed
+from edgevox.agent.llm.prompt import PromptPrefill
 from edgevox.agent.llm.status import LlmComponent
 from edgevox.agent.policy.status import PolicyComponent
 from edgevox.agent.text.reasons import because
@@ -117,7 +117,7 @@ def build_parts(stack: ExitStack, settings: Settings, body: Body | None) -> Agen
     health = _serve_health(stack, settings, components)
     bus = Bus()
     guard = build_guard(settings, bus, body)
-    robot_skills = gather_skills(body, settings)
+    robot_skills = gather_skills(body, settings, bus)
     log_strange_names(guard, robot_skills.skills)
     agents = build_agents(body, robot_skills.skills)
     stack.callback(BusLog(bus, free_text(agents)).close)
@@ -129,7 +129,7 @@ def build_parts(stack: ExitStack, settings: Settings, body: Body | None) -> Agen
         muted=settings.muted,
         confirm=settings.confirm,
         voices=available_voices,
-        deafness=(lambda _: "") if settings.text_mode else deafness,
+        deafness=(lambda _: "") if settings.text_mode or settings.stt_endpoint else deafness,
     )
     voice = (
         None
@@ -154,6 +154,7 @@ def build_parts(stack: ExitStack, settings: Settings, body: Body | None) -> Agen
         decider=open_decider(),
         phonemes=open_phonemes() if voice else None,
         known=known_of(body) if body else NOTHING_KNOWN,
+        follow_up_s=settings.follow_up_s,
     )
     bus.subscribe(ControlChanged, lambda change: _follow(conversation, change))
     software_stop = SoftwareStop(interlock, bus, conversation.stop, because("software_stop"))
@@ -175,6 +176,7 @@ def build_parts(stack: ExitStack, settings: Settings, body: Body | None) -> Agen
             controls,
             submit=command_router.submit,
             is_stop=conversation.is_stop,
+            follow_up=conversation.follow_ups,
             ending=endings(conversation).of,
         )
         if voice
@@ -354,8 +356,8 @@ def _of_voice(parts: AgentParts, gauges: Gauges) -> tuple[Component, Component, 
             controls=controls,
             gauges=gauges,
         ),
-        SttComponent(voice.stt, listener, controls),
-        TtsComponent(voice.speech_output, controls, gauges),
+        SttComponent(voice.stt, listener, controls, shared=voice.hearing.shared),
+        TtsComponent(voice.speech_output, controls, gauges, shared=voice.speech),
     )
 
 

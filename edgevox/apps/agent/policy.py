@@ -11,7 +11,7 @@ from edgevox.agent.policy import Guard, Policy, PolicyContext
 from edgevox.agent.policy.policy import VELOCITY
 from edgevox.agent.policy.status import unknown_names
 from edgevox.agent.skills import Skill, SkillFailed
-from edgevox.agent.skills.choices import OneOf
+from edgevox.agent.skills.skill import OneOf
 from edgevox.core.bus import Bus
 from edgevox.core.log import get_logger
 from edgevox.core.settings import Settings

@@ -1,11 +1,12 @@
 """A picture of a body, as a PNG file."""
 
 import os
-import tempfile
 from pathlib import Path
 
 from edgevox.core.errors import InvalidValue
+from edgevox.core.files.state_files import PUBLIC, write_atomically
 from edgevox.robots.capabilities import Advances, Body, HasPicture
+from edgevox.robots.pictures import png_of
 
 MOMENT_S = 1.0
 """Seconds before a picture, in which things fall to rest."""
@@ -35,19 +36,9 @@ def take_snapshot(body: Body, file: Path) -> bool:
 
 def write_picture(body: HasPicture, file: Path) -> None:
     """Write the picture; the file is whole or as it was. Raises `InvalidValue` if it cannot be."""
-    from PIL import Image
-
-    image = Image.fromarray(body.picture())
+    png = png_of(body.picture())
     try:
-        with tempfile.NamedTemporaryFile(dir=file.absolute().parent, delete=False) as partial:
-            try:
-                image.save(partial, format="PNG")
-                partial.close()
-                Path(partial.name).chmod(0o644)
-                Path(partial.name).replace(file)
-            except BaseException:
-                Path(partial.name).unlink(missing_ok=True)
-                raise
+        write_atomically(file.absolute(), png, PUBLIC)
     except OSError as error:
         reason = error.strerror or str(error)
         raise InvalidValue(

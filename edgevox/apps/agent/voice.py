@@ -8,6 +8,7 @@ from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING, Literal
 
 from edgevox.agent.conversation import Conversation
 from edgevox.agent.nlu.hearing.endings import Endings
@@ -22,14 +23,15 @@ from edgevox.core.errors import InvalidValue
 from edgevox.core.events import ControlChanged
 from edgevox.core.languages import LANGUAGES, STT_BACKEND
 from edgevox.core.log import get_logger
+from edgevox.core.servers.address import Address
 from edgevox.core.settings import Settings
-from edgevox.core.speech import Ending
+from edgevox.core.speech import Ending, FollowUp
 from edgevox.models import locate
 from edgevox.models.manifest import builtin_manifest
 from edgevox.voice.audio import AudioSource
 from edgevox.voice.echo.played import PlayedSound
 from edgevox.voice.listener import Listener
-from edgevox.voice.sentence_synthesiser import SentenceSynthesiser
+from edgevox.voice.sentence_synthesiser import SentenceSynthesiser, Voices
 from edgevox.voice.sinks.open_sink import open_sink
 from edgevox.voice.sinks.paced import Relay
 from edgevox.voice.sinks.tapped import TappedSink
@@ -45,6 +47,10 @@ from edgevox.voice.stt.whisper import Whisper
 from edgevox.voice.tts.voices import VoicePool
 from edgevox.voice.vad import open_vad
 from edgevox.voice.word_detection import WakeDetector
+
+if TYPE_CHECKING:
+    from edgevox.voice.remote.shared_hearing import SharedSpeechToText
+    from edgevox.voice.remote.shared_speech import SharedSpeech
 
 log = get_logger(__name__)
 
@@ -140,6 +146,9 @@ class VoiceChain:
     relay: Relay | None
     """Carries speech to ROS 2 if `audio_out` says so."""
     played: PlayedSound
+    hearing: "Hearing"
+    speech: "SharedSpeech | None"
+    """The server that speaks before the voices on board; None without one."""
     weights: Callable[[], Mapping[str, Iterable[Path]]]
     """Returns the loaded files, or folders of them, of ``stt`` and ``tts``."""
 
@@ -151,7 +160,7 @@ class VoiceChain:
     def infos(self, controls: Controls) -> dict[str, Info]:
         """Return the speech parts of `model_info`."""
         return {
-            "stt": lambda: _stt_info(controls.language),
+            "stt": lambda: _stt_info(controls.language, self.hearing.shared),
             "tts": lambda: tts_info(self.speech_output.synthesiser),
         }
 
@@ -181,20 +190,24 @@ def build_voice(
     wakeword = open_wakeword(settings)
     if wakeword:
         stack.callback(wakeword.close)
-    stt, heard_by = open_hearing(stack, settings, HearingPrompts(SkillSet(skills)))
-    pool = VoicePool()
-    speech_output = SpeechOutput(SentenceSynthesiser(present_voices(controls), pool), sink)
+    hearing = open_hearing(stack, settings, HearingPrompts(SkillSet(skills)))
+    on_board = present_voices(controls)
+    speech = _open_shared_speech(stack, settings, on_board, lambda: controls.language)
+    pool = VoicePool(server=speech.open if speech else None)
+    speech_output = SpeechOutput(SentenceSynthesiser(speech or on_board, pool), sink)
     stack.callback(bus.subscribe(ControlChanged, lambda change: _prepare(speech_output, change)))
     connected = relay if settings.ros2 and settings.audio_out == ROS2 else None
     return VoiceChain(
         source,
         sink,
-        stt,
+        hearing.stt,
         speech_output,
         wakeword,
         connected,
         played,
-        weights=lambda: {"stt": heard_by(), "tts": pool.files},
+        hearing,
+        speech,
+        weights=lambda: {"stt": hearing.loaded(), "tts": pool.files},
     )
 
 
@@ -203,24 +216,80 @@ def written_example(language: str) -> str:
     return phrasebook(language).hearing.written
 
 
+@dataclass(frozen=True)
+class Hearing:
+    """Speech to text."""
+
+    stt: WatchedSpeechToText
+    stop_stt: SpeechToText
+    """The part of it that is on board: for what may not be for the robot."""
+    shared: "SharedSpeechToText | None"
+    """The part that asks a server; None without one."""
+    loaded: Callable[[], Iterable[Path]]
+    """Returns the folders of the models that are loaded."""
+
+    def stop_for(self, is_stop: Callable[[str], bool]) -> None:
+        """Tell which words stop the robot: heard on board, they do not wait for a server."""
+        if self.shared:
+            self.shared.is_stop = is_stop
+
+
 def open_hearing(
     stack: ExitStack, settings: Settings, prompt_of: Callable[[str], str] = written_example
-) -> tuple[WatchedSpeechToText, Callable[[], Iterable[Path]]]:
-    """Open speech to text; return it, and a function that lists its loaded model folders.
+) -> Hearing:
+    """Open speech to text.
 
     `prompt_of` returns, by language, the sentences to expect. Raises `InvalidValue` for a folder of
     `keep_audio` that cannot be written.
     """
     whisper = Whisper(_hearing_model, prompt_of=prompt_of)
-    hears: SpeechToText = whisper
+    shared = _open_shared_hearing(settings, whisper, prompt_of)
+    hears: SpeechToText = shared or whisper
+    stops: SpeechToText = whisper
     if settings.keep_audio:
         kept = KeptAudio(settings.keep_audio)
-        hears = KeepingSpeechToText(whisper, kept)
+        hears, stops = KeepingSpeechToText(hears, kept), KeepingSpeechToText(stops, kept)
         most_mb = MOST_BYTES // 1_000_000
         log.warning("audio_is_kept", folder=str(kept.folder), most=MOST_UTTERANCES, most_mb=most_mb)
     stt = WatchedSpeechToText(hears)
     stack.callback(stt.close)
-    return stt, lambda: whisper.loaded
+    return Hearing(stt, stops if shared else stt, shared, lambda: whisper.loaded)
+
+
+def _open_shared_hearing(
+    settings: Settings, on_board: SpeechToText, prompt_of: Callable[[str], str]
+) -> "SharedSpeechToText | None":
+    if not settings.stt_endpoint:
+        return None
+    from edgevox.voice.remote.hearing import open_hearing_server
+    from edgevox.voice.remote.shared_hearing import SharedSpeechToText
+
+    address = speech_address(settings, "stt")
+    log.warning("audio_is_sent", server=address.host, encrypted=address.encrypted)
+    server = open_hearing_server(address)
+    return SharedSpeechToText(server, on_board, prompt_of=prompt_of)
+
+
+def _open_shared_speech(
+    stack: ExitStack, settings: Settings, on_board: Voices, language: Callable[[], str]
+) -> "SharedSpeech | None":
+    if not settings.tts_endpoint:
+        return None
+    from edgevox.voice.remote.shared_speech import SharedSpeech
+    from edgevox.voice.remote.speaking import open_speaking_server
+
+    server = open_speaking_server(speech_address(settings, "tts"), settings.tts_endpoint_voice)
+    speech = SharedSpeech(server, on_board, language)
+    stack.callback(speech.close)
+    return speech
+
+
+def speech_address(settings: Settings, part: Literal["stt", "tts"]) -> Address:
+    """The address of the server that hears or speaks."""
+    setting = f"{part}_endpoint"
+    of_it = (getattr(settings, f"{setting}{one}") for one in ("", "_model", "_timeout"))
+    url, model, timeout_s = of_it
+    return Address(url, model, timeout_s, getattr(settings, f"{setting}_key_file"), setting)
 
 
 def warm_up_hearing(voice: VoiceChain, language: str) -> None:
@@ -243,12 +312,14 @@ def build_listener(
     *,
     submit: Callable[[Command], None],
     is_stop: Callable[[str], bool],
+    follow_up: FollowUp,
     ending: Callable[[str], Ending],
 ) -> Listener:
     """Build the listener, not started; its commands go to `submit`.
 
     A person who speaks while speech recognition does not work is told so.
     """
+    voice.hearing.stop_for(is_stop)
     voice.stt.tell = lambda: submit(Speak(phrasebook(controls.language).say("deaf")))
     from_files = isinstance(voice.source, WavFiles)
     return Listener(
@@ -262,6 +333,8 @@ def build_listener(
         audible=voice.sink.audible,
         wakeword=voice.wakeword,
         is_stop=is_stop,
+        stop_stt=voice.hearing.stop_stt,
+        follow_up=follow_up,
         stop_detector=open_stop_detector(settings),
         ending=ending,
         saying=voice.speech_output.saying,
@@ -290,6 +363,7 @@ def _prepare(speech_output: SpeechOutput, change: ControlChanged) -> None:
         speech_output.prepare()
 
 
-def _stt_info(language: str) -> dict[str, str]:
+def _stt_info(language: str, shared: "SharedSpeechToText | None") -> dict[str, str]:
     size = LANGUAGES[language].stt_model.removeprefix("whisper-")
-    return {"backend": STT_BACKEND, "model_size": size, "device": "cpu"}
+    found = {"backend": STT_BACKEND, "model_size": size, "device": "cpu"}
+    return found | ({"endpoint": shared.health.server} if shared else {})

@@ -107,6 +107,7 @@ def share_sound(stack: ExitStack, parts: AgentParts) -> SharedSound | None:
         audible=voice.sink.audible,
         wakeword=wakeword,
         is_stop=parts.conversation.is_stop,
+        follow_up=parts.conversation.follow_ups,
         stop_detector=open_stop_detector(settings),
         ending=endings(parts.conversation).of,
         saying=voice.speech_output.saying,

@@ -5,7 +5,6 @@ files of a robot: each is the value of a variable.
 """
 
 import difflib
-import os
 import re
 import tomllib
 from collections.abc import Callable, Mapping
@@ -20,6 +19,7 @@ from edgevox.apps.plugins import bring_plugins
 from edgevox.apps.robots import ROBOTS, learn_robots
 from edgevox.core.errors import InvalidValue
 from edgevox.core.settings import ENV_PREFIX, Settings, check_settings, old_name, one_value
+from edgevox.ros2.open import installed_middlewares
 
 NO_ROBOT = "edgevox"
 """The agent without a robot."""
@@ -306,14 +306,6 @@ def _integer(row: Variable, value: str, warn: Callable[[str], None]) -> str:
     if unwise and unwise.least <= number <= unwise.most:
         warn(f"{row.variable}={number}: {unwise.because}")
     return str(number)
-
-
-def installed_middlewares() -> list[str]:
-    """The middlewares of ROS 2 that this environment can load, by its ament index."""
-    prefixes = os.environ.get("AMENT_PREFIX_PATH", "").split(os.pathsep)
-    folders = [Path(p, "share/ament_index/resource_index/rmw_typesupport") for p in prefixes if p]
-    names = {file.name for folder in folders if folder.is_dir() for file in folder.iterdir()}
-    return sorted(names - {"rmw_implementation"})  # which loads one of the others
 
 
 def _refuse_contradictions(values: Mapping[str, str]) -> None:

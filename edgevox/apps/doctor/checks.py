@@ -7,6 +7,7 @@ from edgevox.apps.doctor import (
     robots,
     ros,
     security,
+    servers,
     sound,
 )
 from edgevox.apps.doctor.check import Check
@@ -66,6 +67,13 @@ CHECKS: tuple[Check, ...] = (
         "the models that the settings need are here and undamaged",
         model_files.probe_models,
         model_files.judge_models,
+    ),
+    Check(
+        "servers",
+        "the servers of `llm_endpoint`, `stt_endpoint` and `tts_endpoint` answer, and have what is"
+        " asked of them",
+        servers.probe_servers,
+        servers.judge_servers,
     ),
     Check(
         "sound",

@@ -212,9 +212,10 @@ def _fault(owner: str, one: Facts) -> CheckVerdict | None:
     what = f"{owner}: {one['role']} {one['name']}"
     if not one["types"]:
         return warning(f"{what} is not there", _advice(one))
-    if one["type"] not in one["types"]:
+    if not one["fits"]:
         there = ", ".join(one["types"])
-        return error(f"{what} has the type {there}, and not {one['type']}", f"type: {there}")
+        advice = "its node has to change" if one["contract"] else f"type: {there}"
+        return error(f"{what} has the type {there}, and not {one['type']}", advice)
     if one["unfit"]:
         latched = one["latched"]
         advice = "its node has to change" if latched is None else f"latched: {str(latched).lower()}"

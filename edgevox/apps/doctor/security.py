@@ -7,6 +7,7 @@ from typing import Any
 from edgevox.apps.doctor.check import CheckVerdict, Facts, Situation, error, ok, warning
 from edgevox.core.errors import InvalidValue
 from edgevox.core.probe import probe_apart
+from edgevox.ros2.open import domain_of
 from edgevox.security.startup import (
     ENABLE,
     KEYSTORE,
@@ -14,7 +15,6 @@ from edgevox.security.startup import (
     PROBE,
     Asked,
     asked_security,
-    domain_of,
     read_enclave,
 )
 

@@ -1,10 +1,13 @@
 """What the full-screen terminal says about itself: the help, and what to try first."""
 
 from collections.abc import Sequence
+from typing import Any
 
 from textual.binding import Binding, BindingType
 
-from edgevox.apps.agent.example import example_command
+from edgevox.agent.conversation import Conversation
+from edgevox.agent.nlu.meaning import Meaning
+from edgevox.agent.skills import Skill
 from edgevox.apps.agent.parts import AgentParts
 from edgevox.apps.terminal.slash_commands import command_rows
 from edgevox.core.languages import LANGUAGES
@@ -57,3 +60,26 @@ def _table(rows: Sequence[tuple[str, str]]) -> str:
 def _key_name(key: str) -> str:
     """A key as people write it: "Ctrl-C", "F1"."""
     return "-".join(part.capitalize() for part in key.split("+"))
+
+
+def example_command(conversation: Conversation, skills: Sequence[Skill]) -> str:
+    """A plain command for the first skill that moves the robot; empty if there is none.
+
+    It is one that the templates understand: an example must not fail. Any thread may ask.
+    """
+    interpreter = conversation.interpreter
+    for one in skills:
+        told = interpreter.phrases.action(one, _arguments(one)) if one.drives else ""
+        meaning = interpreter.plain(told) if told else None
+        if isinstance(meaning, Meaning) and [call.skill for call in meaning.calls] == [one.name]:
+            return told
+    return ""
+
+
+def _arguments(one: Skill) -> dict[str, Any]:
+    """The first word of each choice, the defaults of the rest, and 1 for what has none."""
+    found: dict[str, Any] = {}
+    for name, field in one.arguments_model.model_fields.items():
+        words = one.choices[name].words if name in one.choices else ()
+        found[name] = words[0] if words else 1.0 if field.is_required() else field.default
+    return found

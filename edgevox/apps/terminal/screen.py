@@ -28,18 +28,6 @@ from edgevox.agent.phrases.load import phrasebook
 from edgevox.apps.agent.parts import AgentParts
 from edgevox.apps.run_program import ShutdownSignals
 from edgevox.apps.terminal.hints import first_hint, help_text
-from edgevox.apps.terminal.panels import (
-    MOST_UNREAD,
-    WIDE_WIDTH,
-    WIDTH,
-    RobotNow,
-    latencies,
-    look_at,
-    machine,
-    meter,
-    state_text,
-    unread,
-)
 from edgevox.apps.terminal.slash_commands import (
     COMMANDS,
     Leave,
@@ -48,9 +36,27 @@ from edgevox.apps.terminal.slash_commands import (
     is_stop,
     run_command,
 )
-from edgevox.apps.terminal.themes import DARK, LIGHT, LIGHT_THEME, has_light_background
 from edgevox.apps.terminal.view import ASIDE, ScreenUpdate, UpdateBuffer, stop_line
-from edgevox.apps.terminal.widgets import CommandLine, Keys, Lines, Sheet
+from edgevox.apps.terminal.widgets import (
+    DARK,
+    LIGHT,
+    LIGHT_THEME,
+    MOST_UNREAD,
+    WIDE_WIDTH,
+    WIDTH,
+    CommandLine,
+    Keys,
+    Lines,
+    RobotNow,
+    Sheet,
+    has_light_background,
+    latencies,
+    look_at,
+    machine,
+    meter,
+    state_text,
+    unread,
+)
 from edgevox.core.commands import Command, Interrupt, SetMuted, TextInput, Way
 from edgevox.core.errors import EdgeVoxError
 from edgevox.core.events import Cause

@@ -21,14 +21,14 @@ PUBLIC = 0o666
 """Permissions of a public file, from which the process's umask is taken."""
 
 
-def write_atomically(file: Path, text: str, mode: int = PRIVATE) -> None:
-    """Write a text with these permissions. After an `OSError` the file is unchanged.
+def write_atomically(file: Path, content: str | bytes, mode: int = PRIVATE) -> None:
+    """Write a text or bytes with these permissions. After an `OSError` the file is unchanged.
 
     Only one writer may write a file at a time; it replaces the partial file of an earlier one.
     """
     partial = file.with_name(f".{file.name}.partial")
     try:
-        _write(partial, text.encode("utf-8"), mode)
+        _write(partial, content.encode("utf-8") if isinstance(content, str) else content, mode)
         os.replace(partial, file)
     except OSError:
         partial.unlink(missing_ok=True)

@@ -161,6 +161,8 @@ class YamlFile:
 
     def explain(self, error: ValidationError, place: Place) -> InvalidValue:
         """The error to raise for a validation error in this place."""
+        if self._whole is None:
+            return InvalidValue(self.name, "", "a mapping, key to value: the file is empty")
         return explain(error, lambda inner: self.field((*place, *inner)), _EXPECTED)
 
     def wrong(self, place: Place, value: object, expected: str) -> InvalidValue:

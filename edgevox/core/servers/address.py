@@ -30,6 +30,11 @@ class Address:
         """What to call it in a log."""
         return urlsplit(self.url).netloc
 
+    @property
+    def encrypted(self) -> bool:
+        """Whether nobody between can read what is sent."""
+        return self.url.startswith("https://")
+
     def route(self, name: str) -> str:
         """The address of one of its services."""
         root = self.url.rstrip("/")

@@ -9,8 +9,8 @@ from typing import Any
 from edgevox.core.errors import install_extra
 from edgevox.models.fetch_progress import FetchProgress
 from edgevox.models.manifest import HubSource, ModelFile
-from edgevox.models.model_errors import SourceFailed
 from edgevox.models.sources.tools import place_for
+from edgevox.models.store import SourceFailed
 
 CONNECT_TIMEOUT_S = 5.0
 

@@ -23,8 +23,8 @@ from edgevox.core.errors import InvalidValue
 from edgevox.core.files.user_file import read_text
 from edgevox.models.fetch_progress import FetchProgress
 from edgevox.models.manifest import ModelFile, WheelSource
-from edgevox.models.model_errors import SourceFailed
 from edgevox.models.sources.tools import place_for
+from edgevox.models.store import SourceFailed
 
 _PROGRESS = re.compile(r"Progress (\d+) of (\d+)")
 _OPTIONS = (

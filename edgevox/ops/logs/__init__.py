@@ -3,10 +3,10 @@
 Modules write lines with `edgevox.core.log`; only programs set this up. Imports core.
 """
 
-from edgevox.ops.logs.limit import RateLimit
 from edgevox.ops.logs.observer import BusLog
 from edgevox.ops.logs.setup import (
     LEVELS,
+    RateLimit,
     TurnLines,
     is_set_up,
     level_of,

@@ -67,7 +67,7 @@ MODELS = ("stt", "llm", "tts")
 
 SIMULATED, MOVES = "a simulated body", "an agent with a body"
 ALOUD, ON_ROS2 = "an agent with a voice", "an agent on ROS 2"
-STEERED, SHARED = "a body that takes velocities", "an agent with `llm_endpoint`"
+STEERED = "a body that takes velocities"
 
 SHORT_S = (0.01, 0.02, 0.05, 0.1, 0.2, 0.3, 0.5, 0.75, 1.0, 1.5, 2.0, 3.0, 5.0, 10.0, 20.0, 60.0)
 LONG_S = (0.1, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 30.0, 60.0, 120.0, 300.0, 600.0)
@@ -138,6 +138,39 @@ _COUNTED = (
     ),
 )
 
+_SERVERS = tuple(
+    metric
+    for part, asks, here in (
+        ("llm", "Questions", "the model on board answered"),
+        ("stt", "Utterances", "the model on board transcribed"),
+        ("tts", "Phrases", "a voice on board spoke"),
+    )
+    for metric in (
+        Metric(
+            f"edgevox_{part}_fallbacks_total",
+            Kind.COUNTER,
+            f"{asks} that {here} because the server of `{part}_endpoint` did not",
+            of=f"an agent with `{part}_endpoint`",
+            read={"": f"{part}.fallbacks"},
+        ),
+        Metric(
+            f"edgevox_{part}_turned_away_total",
+            Kind.COUNTER,
+            f"{asks} that the full server of `{part}_endpoint` turned away",
+            of=f"an agent with `{part}_endpoint`",
+            read={"": f"{part}.turned_away"},
+        ),
+        Metric(
+            f"edgevox_{part}_server_up",
+            Kind.GAUGE,
+            f"1 if EdgeVox asks the server of `{part}_endpoint`; 0 during a pause after a failure",
+            of=f"an agent with `{part}_endpoint`",
+            read={"": f"{part}.server_up"},
+        ),
+    )
+)
+"""What is told of each server that a robot asks before its own models."""
+
 _READ = (
     Metric(
         "edgevox_build_info",
@@ -158,27 +191,7 @@ _READ = (
     Metric(
         "edgevox_threads", Kind.GAUGE, "Threads of the process, including native ones", read=True
     ),
-    Metric(
-        "edgevox_llm_fallbacks_total",
-        Kind.COUNTER,
-        "Questions that the model on board answered because the model server did not",
-        of=SHARED,
-        read={"": "llm.fallbacks"},
-    ),
-    Metric(
-        "edgevox_llm_turned_away_total",
-        Kind.COUNTER,
-        "Questions that a full model server turned away",
-        of=SHARED,
-        read={"": "llm.turned_away"},
-    ),
-    Metric(
-        "edgevox_llm_server_up",
-        Kind.GAUGE,
-        "1 if EdgeVox asks the model server; 0 during the pause after a failure",
-        of=SHARED,
-        read={"": "llm.server_up"},
-    ),
+    *_SERVERS,
     Metric(
         "edgevox_model_weights_bytes",
         Kind.GAUGE,

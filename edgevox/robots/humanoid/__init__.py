@@ -7,7 +7,7 @@ named here.
 import edgevox.robots.mujoco  # noqa: F401, I001 - first: mujoco is imported by it, safely
 
 from edgevox.robots.humanoid.environment import MujocoHumanoidEnvironment
-from edgevox.robots.humanoid.onnx_policy import OnnxWalkingPolicy
+from edgevox.robots.humanoid.walking_policy import OnnxWalkingPolicy
 from edgevox.robots.humanoid.walking_policy import (
     FunctionPolicy,
     Observation,

@@ -21,12 +21,10 @@ from edgevox.core.errors import finite
 from edgevox.core.transforms import Pose2D, compose_on_floor, pitch
 from edgevox.robots.capabilities import CameraImage, CameraSpec, Report, Twist2D
 from edgevox.robots.command_mux import CommandMux
-from edgevox.robots.humanoid.environment import MujocoHumanoidEnvironment
-from edgevox.robots.humanoid.scene import HEAD_CAMERA
-from edgevox.robots.humanoid.skills import walking_skills
+from edgevox.robots.humanoid.environment import HEAD_CAMERA, MujocoHumanoidEnvironment
 from edgevox.robots.humanoid.walk_control import MotionPrimitive, WalkControl, describe
 from edgevox.robots.mujoco.renderer import PICTURE_PX, Renderer, Snapshot
-from edgevox.robots.relative_skills import where
+from edgevox.robots.relative_skills import walking_skills, where
 from edgevox.robots.sim_loop import BROKE, SimLoop, SimulatedBody, SteppedBySimLoop
 
 WIDTH_PX, HEIGHT_PX = 320, 240

@@ -7,7 +7,7 @@ from typing import Annotated, Any, Protocol
 from pydantic import Field
 
 from edgevox.agent.skills import GoalHandle, OneOf, Result, Skill, SkillFailed, skill
-from edgevox.agent.skills.choices import NewName
+from edgevox.agent.skills.skill import NewName
 from edgevox.agent.text.reasons import because, called_off
 from edgevox.core.cancel import CancelToken
 from edgevox.robots.capabilities import Body, Report

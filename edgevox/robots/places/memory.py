@@ -7,7 +7,7 @@ from types import MappingProxyType
 
 from edgevox.agent.phrases.name_rules import names_of, word_meant
 from edgevox.agent.skills import SkillFailed
-from edgevox.agent.skills.choices import OneOf
+from edgevox.agent.skills.skill import OneOf
 from edgevox.agent.text.reasons import because
 from edgevox.agent.text.same_name import names_meant
 from edgevox.core.errors import shorten

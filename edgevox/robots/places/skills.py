@@ -6,7 +6,7 @@ from typing import Annotated, Any, Protocol
 from pydantic import Field
 
 from edgevox.agent.skills import GoalHandle, Result, Skill, SkillFailed, skill
-from edgevox.agent.skills.choices import NewName, OneOf
+from edgevox.agent.skills.skill import NewName, OneOf
 from edgevox.agent.text.reasons import because
 from edgevox.core.errors import InvalidValue
 from edgevox.core.transforms import MAP, Pose2D

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from edgevox.agent.skills.choices import OwnName
+from edgevox.agent.skills.skill import OwnName
 from edgevox.core.reason import Named
 from edgevox.core.transforms import ORIGIN, Pose2D
 from edgevox.robots.limits import Bounds

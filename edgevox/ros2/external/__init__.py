@@ -4,11 +4,14 @@ Imports core, agent.skills, agent.text, robots and ros2 of edgevox. Only `EXTERN
 others; rclpy is imported when its body is built.
 """
 
+import os
+
 from edgevox.core.errors import EdgeVoxError, install_extra
 from edgevox.core.log import get_logger
 from edgevox.core.settings import Settings
 from edgevox.robots.capabilities import Body
 from edgevox.robots.plugin import Robot
+from edgevox.ros2.open import check_environment
 
 log = get_logger(__name__)
 
@@ -23,6 +26,7 @@ def _build(settings: Settings, _speed: float | None) -> Body:
     described = load_robot_file(settings.robot_file) if settings.robot_file else NO_FILE
     drives = described.robot.drives
     places = described.places(settings) if drives else {}
+    check_environment(os.environ)
     try:
         from edgevox.ros2.external.robot import ExternalRobot, StationaryRobot
         from edgevox.ros2.robot_file.skills import described_skills

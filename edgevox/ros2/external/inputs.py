@@ -1,7 +1,7 @@
 """The robot's inputs: odometry, scans, transforms, camera and map, the newest of each.
 
-A picture is kept as it came, since decoding each costs a core. An occupancy grid is checked as it
-comes, and decoded only when it is shown.
+An occupancy grid is checked as it comes, and decoded only when it is shown; a point cloud only when
+EdgeVox steers.
 """
 
 import math
@@ -9,6 +9,7 @@ import threading
 from collections import deque
 from collections.abc import Callable, Mapping
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 from nav_msgs.msg import OccupancyGrid, Odometry
@@ -16,7 +17,7 @@ from numpy.typing import NDArray
 from rclpy.event_handler import SubscriptionEventCallbacks
 from rclpy.node import Node
 from rclpy.serialization import deserialize_message
-from sensor_msgs.msg import Image, LaserScan
+from sensor_msgs.msg import LaserScan, PointCloud2
 
 from edgevox.agent.skills import SkillFailed
 from edgevox.agent.text.reasons import because
@@ -27,9 +28,12 @@ from edgevox.core.transforms import BASE, MAP, ODOM, ORIGIN, Pose2D, compose, li
 from edgevox.robots.capabilities import LidarScan, Twist2D
 from edgevox.robots.occupancy_map import FREE, OCCUPIED, UNKNOWN, OccupancyMap
 from edgevox.ros2.contract_rows import latched, lossy, reliable
+from edgevox.ros2.external.camera import CameraInput
 from edgevox.ros2.external.motion import PoseEstimate
 from edgevox.ros2.external.odometry import SILENT_S, OdometryHistory, OdometrySample
+from edgevox.ros2.external.point_cloud import scan_of
 from edgevox.ros2.external.settings import FURTHEST_M, Speeds, on_the_map, sweeps
+from edgevox.ros2.external.topic_types import Close, TopicTypes, listening
 from edgevox.ros2.messages import pose_of, pose_of_transform, profile
 from edgevox.ros2.stamps import NS_PER_S, to_ns
 from edgevox.ros2.standard_topics import DRIVEN
@@ -37,65 +41,6 @@ from edgevox.ros2.tf_buffer import FramePose, TfBuffer, plain
 from tf2_msgs.msg import TFMessage
 
 log = get_logger(__name__)
-
-
-CAMERA_TOPIC = "camera/image_raw"
-ENCODINGS = {
-    "rgb8": (3, (0, 1, 2)),
-    "bgr8": (3, (2, 1, 0)),
-    "rgba8": (4, (0, 1, 2)),
-    "bgra8": (4, (2, 1, 0)),
-    "8UC3": (3, (2, 1, 0)),
-    "mono8": (1, (0, 0, 0)),
-    "8UC1": (1, (0, 0, 0)),
-}
-"""Bytes per pixel, and the positions of red, green and blue in it, by encoding."""
-
-
-class CameraInput:
-    """Subscribes on a node in the robot's namespace; thread-safe."""
-
-    def __init__(self, node: Node, clock: Clock) -> None:
-        self._clock = clock
-        self._newest: tuple[float, bytes] = (-math.inf, b"")
-        quality = profile(DRIVEN[CAMERA_TOPIC].qos)
-        node.create_subscription(Image, CAMERA_TOPIC, self._hear, quality, raw=True)
-
-    @property
-    def sees(self) -> bool:
-        """Whether a picture came within the last second."""
-        return self._clock.now() - self._newest[0] <= SILENT_S
-
-    def pixels(self) -> NDArray[np.uint8] | None:
-        """Return the newest picture, shape (height, width, 3), RGB.
-
-        None if none came in the last second. Raises `InvalidValue` for a picture that cannot be
-        shown.
-        """
-        heard_s, data = self._newest
-        if self._clock.now() - heard_s > SILENT_S:
-            return None
-        return pixels_of(deserialize_message(data, Image))
-
-    def _hear(self, data: bytes) -> None:
-        self._newest = (self._clock.now(), data)
-
-
-def pixels_of(message: Image) -> NDArray[np.uint8]:
-    """Decode the pixels, shape (height, width, 3), RGB. Raises `InvalidValue` naming the field."""
-    if message.encoding not in ENCODINGS:
-        raise InvalidValue(f"{CAMERA_TOPIC}: encoding", message.encoding, " or ".join(ENCODINGS))
-    size, order = ENCODINGS[message.encoding]
-    height, width, step = message.height, message.width, message.step
-    row = width * size
-    if not height or not width or step < row:
-        shape = f"{height} rows of {width} in {step} bytes"
-        raise InvalidValue(f"{CAMERA_TOPIC}: step", shape, "rows that hold their pixels")
-    if len(message.data) != height * step:
-        got = f"{len(message.data)} bytes"
-        raise InvalidValue(f"{CAMERA_TOPIC}: data", got, f"{height * step}")
-    rows = np.frombuffer(message.data, np.uint8).reshape(height, step)[:, :row]
-    return np.ascontiguousarray(rows.reshape(height, width, size)[:, :, order])
 
 
 MAP_TOPIC = "map"
@@ -123,7 +68,7 @@ class MapInput:
     and volatile, for a publisher that does not.
     """
 
-    def __init__(self, node: Node) -> None:
+    def __init__(self, node: Node, types: TopicTypes) -> None:
         self.topic = node.resolve_topic_name(MAP_TOPIC)
         self.refused = 0
         """Messages that were no valid map."""
@@ -131,16 +76,7 @@ class MapInput:
         self._newest: tuple[OccupancyMap, str] | None = None
         self._lock = threading.Lock()
         self._heard_ns: deque[int] = deque(maxlen=8)
-        hear: Callable[..., None] = self._hear  # rclpy's own type knows of no second argument
-        for quality in (DRIVEN[MAP_TOPIC].qos, reliable(1)):
-            node.create_subscription(
-                OccupancyGrid,
-                MAP_TOPIC,
-                hear,
-                profile(quality),
-                event_callbacks=SubscriptionEventCallbacks(use_default_callbacks=False),
-                raw=True,
-            )
+        types.follow(MAP_TOPIC, {DRIVEN[MAP_TOPIC].type: partial(self._open, node)})
 
     def newest(self) -> tuple[OccupancyMap, str] | None:
         """The map and the frame that it is in; None before the first. May take long."""
@@ -149,6 +85,21 @@ class MapInput:
                 message = self._unread.pop()
                 self._newest = map_of(message), message.header.frame_id or MAP
             return self._newest
+
+    def _open(self, node: Node) -> Close:
+        hear: Callable[..., None] = self._hear  # rclpy's own type knows of no second argument
+        opened = [
+            node.create_subscription(
+                OccupancyGrid,
+                MAP_TOPIC,
+                hear,
+                profile(quality),
+                event_callbacks=SubscriptionEventCallbacks(use_default_callbacks=False),
+                raw=True,
+            )
+            for quality in (DRIVEN[MAP_TOPIC].qos, reliable(1))
+        ]
+        return lambda: [node.destroy_subscription(one) for one in opened]
 
     def _hear(self, data: bytes, info: Mapping[str, int]) -> None:
         sent_ns = info["source_timestamp"]
@@ -207,20 +158,26 @@ class SensorInputs:
     /tf_static and the map ask for earlier messages.
     """
 
-    def __init__(self, node: Node, clock: Clock, speeds: Speeds) -> None:
+    def __init__(
+        self, node: Node, clock: Clock, speeds: Speeds, types: TopicTypes, *, half_width_m: float
+    ) -> None:
         self._clock = clock
+        self._half_width_m = half_width_m
         self.odometry_history = OdometryHistory(clock, speeds)
         self._tf = TfBuffer(kept=1)  # what is asked is where things are now
         self._prefix = node.get_namespace().strip("/")
         self._scan: tuple[float, LaserScan] | None = None
+        self._cloud: tuple[float, bytes] | None = None
+        self._swept: tuple[bytes, LidarScan | None] = (b"", None)
         self._scan_refused_s = -math.inf
         self._refused_scans = self._refused_transforms = 0
         self._said: set[tuple[str, ...]] = set()
-        quality = {topic: profile(row.qos) for topic, row in DRIVEN.items()}
-        node.create_subscription(Odometry, "odom", self._hear_odometry, quality["odom"])
-        node.create_subscription(LaserScan, "scan", self._hear_scan, quality["scan"])
-        self.camera = CameraInput(node, clock)
-        self._map = MapInput(node)
+        types.follow("odom", listening(node, "odom", {Odometry: self._hear_odometry}))
+        scans = listening(node, "scan", {LaserScan: self._hear_scan})
+        clouds = listening(node, "scan", {PointCloud2: self._hear_cloud}, raw=True)
+        types.follow("scan", {**scans, **clouds})
+        self.camera = CameraInput(node, clock, types)
+        self._map = MapInput(node, types)
         for name in {node.resolve_topic_name(one) for one in ("/tf", "tf")}:
             node.create_subscription(
                 TFMessage, name, self._hear_transforms, profile(lossy(_ANY_TF))
@@ -274,10 +231,21 @@ class SensorInputs:
         if mapless and self._is_news("frame", estimate.frame):
             log.warning("frame_taken_for_map", frame=estimate.frame)
 
+    @property
+    def scans(self) -> bool:
+        """Whether a scan or a point cloud came within the last second."""
+        now_s = self._clock.now()
+        heard = (one[0] for one in (self._scan, self._cloud) if one)
+        return any(now_s - heard_s <= SILENT_S for heard_s in heard)
+
     def scan(self) -> LidarScan | None:
         """The newest scan, None if there is none of the last second."""
+        if not self.scans:
+            return None
+        if self._cloud:
+            return self._sweep(self._cloud[1])
         heard = self._scan
-        if heard is None or self._clock.now() - heard[0] > SILENT_S:
+        if heard is None:
             return None
         message = heard[1]
         return LidarScan(
@@ -289,6 +257,28 @@ class SensorInputs:
             ranges_m=np.asarray(message.ranges, dtype=np.float32),
             mount=self._mount(message.header.frame_id),
         )
+
+    def _sweep(self, data: bytes) -> LidarScan | None:
+        """The point cloud as a scan; None, and refused, where it cannot be one."""
+        if self._swept[0] is not data:
+            self._swept = data, self._scan_of(data)
+        return self._swept[1]
+
+    def _scan_of(self, data: bytes) -> LidarScan | None:
+        message = deserialize_message(data, PointCloud2)
+        seen, frame = self.odometry_history.newest(), message.header.frame_id
+        base = self._named(seen.child_frame) if seen else BASE
+        mount = self._tf.lookup(base, self._named(frame))
+        if mount is None:
+            self._refuse_scan(f"no transform from {base} to {frame}")
+            return None
+        try:
+            scan = scan_of(message, mount, self._half_width_m)
+        except InvalidValue as error:
+            self._refuse_scan(str(error))
+            return None
+        self._scan_refused_s = -math.inf
+        return scan
 
     def newest_map(self) -> OccupancyMap | None:
         """The robot's map, in the frame of `estimate`; None before there is one. May take long.
@@ -311,9 +301,10 @@ class SensorInputs:
 
     def trusted_scan(self) -> LidarScan | None:
         """Return `scan`. Raises `SkillFailed` while the lidar's data is implausible."""
+        scan = self.scan()
         if self._clock.now() - self._scan_refused_s <= SILENT_S:
             raise incredible(self.scan_topic)
-        return self.scan()
+        return scan
 
     def _mount(self, frame: str) -> Pose2D:
         """Return the lidar's mount on the body; without a transform, the middle, looking ahead."""
@@ -347,15 +338,22 @@ class SensorInputs:
             log.warning("odometry_impossible", topic=self.odom_topic)
 
     def _hear_scan(self, message: LaserScan) -> None:
-        now_s = self._clock.now()
+        now_s, self._cloud = self._clock.now(), None
         angles = message.angle_min, message.angle_increment
         if sweeps(len(message.ranges), *angles, message.range_min, message.range_max):
             self._scan, self._scan_refused_s = (now_s, message), -math.inf
             return
-        self._scan, self._scan_refused_s = None, now_s
+        self._scan = None
+        self._refuse_scan("angles or ranges that no lidar has")
+
+    def _hear_cloud(self, data: bytes) -> None:
+        self._cloud, self._scan = (self._clock.now(), data), None
+
+    def _refuse_scan(self, reason: str) -> None:
+        self._scan_refused_s = self._clock.now()
         self._refused_scans += 1
         if self._is_news("scan"):
-            log.warning("scan_impossible", topic=self.scan_topic)
+            log.warning("scan_impossible", topic=self.scan_topic, reason=reason)
 
     def _hear_transforms(self, message: TFMessage) -> None:
         for one in message.transforms:

@@ -7,10 +7,13 @@ velocities: straight to the point, around nothing.
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any, Protocol
 
-from geometry_msgs.msg import PoseStamped, Twist
+from geometry_msgs.msg import PoseStamped, Twist, TwistStamped
 from rclpy.node import Node
+from rclpy.publisher import Publisher
+from std_msgs.msg import Header
 
 from edgevox.agent.skills import SkillFailed
 from edgevox.agent.text.reasons import because
@@ -20,8 +23,11 @@ from edgevox.robots.command_mux import STILL
 from edgevox.robots.lidar import blocked
 from edgevox.robots.path_follower import PathFollower
 from edgevox.robots.relative_motion import Lookout
+from edgevox.ros2.clients import type_name
 from edgevox.ros2.external.settings import Jump, Patience, SteeringLimits
+from edgevox.ros2.external.topic_types import Close, TopicTypes
 from edgevox.ros2.messages import pose_msg, profile
+from edgevox.ros2.node import RosNode
 from edgevox.ros2.stamps import to_msg
 from edgevox.ros2.standard_topics import DRIVEN
 
@@ -191,16 +197,61 @@ class MotionBackend(Protocol):
 
 
 class VelocityPublisher:
-    """Publishes velocities on ``cmd_vel``."""
+    """Publishes velocities on ``cmd_vel``, in each type that the robot takes.
 
-    def __init__(self, node: Node) -> None:
-        self._publisher = node.create_publisher(Twist, "cmd_vel", profile(DRIVEN["cmd_vel"].qos))
+    `header` gives the header of a velocity with a stamp: the robot's frame and the robot's time.
+    """
+
+    def __init__(self, ros: RosNode, types: TopicTypes, header: Callable[[], Header]) -> None:
+        self._ros, self._header = ros, header
+        self._publishers: list[Publisher] = []
+        self._moving = False
+        kinds = {type_name(kind): kind for kind in (Twist, TwistStamped)}
+        types.follow(
+            "cmd_vel",
+            {name: partial(self._open, kind) for name, kind in kinds.items()},
+            beside={name: partial(self._open_beside, kind) for name, kind in kinds.items()},
+        )
 
     def turn(self, twist: Twist2D) -> None:
+        self._moving = twist != STILL
+        for one in self._publishers:
+            self._publish(one, twist)
+
+    def _publish(self, publisher: Publisher, twist: Twist2D) -> None:
         message = Twist()
         message.linear.x = float(twist.linear_m_s)
         message.angular.z = float(twist.angular_rad_s)
-        self._publisher.publish(message)
+        stamped = publisher.msg_type is TwistStamped
+        publisher.publish(
+            TwistStamped(header=self._header(), twist=message) if stamped else message
+        )
+
+    def _open(self, kind: type[Any]) -> Close:
+        publisher = self._create(self._ros.node, "cmd_vel", kind)
+
+        def close() -> None:
+            if self._moving:  # what still listens is not left driving
+                self._publish(publisher, STILL)
+            self._publishers.remove(publisher)
+            self._ros.node.destroy_publisher(publisher)
+
+        return close
+
+    def _open_beside(self, kind: type[Any]) -> Close:
+        node, leave = self._ros.beside(f"_cmd_vel_{kind.__name__}")
+        publisher = self._create(node, self._ros.node.resolve_topic_name("cmd_vel"), kind)
+
+        def close() -> None:
+            self._publishers.remove(publisher)
+            leave()
+
+        return close
+
+    def _create(self, node: Node, topic: str, kind: type[Any]) -> Publisher:
+        publisher = node.create_publisher(kind, topic, profile(DRIVEN["cmd_vel"].qos))
+        self._publishers.append(publisher)
+        return publisher
 
 
 class GoalTopicBackend:
@@ -213,22 +264,28 @@ class GoalTopicBackend:
     MATCH_S = 3.0
     STANDING_S = 0.5
 
-    def __init__(self, node: Node, cancel_all: Callable[[], bool], patience: Patience) -> None:
+    def __init__(
+        self, node: Node, cancel_all: Callable[[], bool], patience: Patience, types: TopicTypes
+    ) -> None:
         """`cancel_all` asks what drives there to drop its goals; False where it cannot be asked."""
         self.patience = patience
         self._node = node
         self._cancel_all = cancel_all
+        self._types = types
         self._topic = node.resolve_topic_name("goal_pose")
-        self._publisher = node.create_publisher(
-            PoseStamped, "goal_pose", profile(DRIVEN["goal_pose"].qos)
-        )
+        types.follow("goal_pose", {type_name(PoseStamped): self._open})
         self._target = Target(0.0, 0.0)
         self._sent = False
         self._begun_s: float | None = None
         self._still_since_s: float | None = None
 
+    def _open(self) -> Close:
+        quality = profile(DRIVEN["goal_pose"].qos)
+        self._publisher = self._node.create_publisher(PoseStamped, "goal_pose", quality)
+        return lambda: None  # it knows one type
+
     def available(self) -> bool:
-        return self._node.count_subscribers(self._topic) > 0
+        return self._node.count_subscribers(self._topic) > 0 and not self._types.unfit("goal_pose")
 
     def begin(self, target: Target, estimate: PoseEstimate) -> None:
         self._target, self._sent = target, False

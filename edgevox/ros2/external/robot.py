@@ -32,7 +32,6 @@ from edgevox.robots.relative_skills import driving_skills, where
 from edgevox.ros2.agent_node_handle import AgentNodeHandle
 from edgevox.ros2.contract import EXTERNAL_NODE
 from edgevox.ros2.external.inputs import incredible
-from edgevox.ros2.external.locations import Location
 from edgevox.ros2.external.motion import (
     MotionBackend,
     OwnSteering,
@@ -48,7 +47,7 @@ from edgevox.ros2.external.navigation import (
     ZeroVelocity,
 )
 from edgevox.ros2.external.robot_node import RobotNode
-from edgevox.ros2.external.settings import FURTHEST_M, ExternalSettings, SteeringLimits
+from edgevox.ros2.external.settings import FURTHEST_M, ExternalSettings, Location, SteeringLimits
 from edgevox.ros2.node import RosNode
 from edgevox.ros2.robot_file.skills import DescribedSkill
 from edgevox.ros2.stamps import NS_PER_S
@@ -142,10 +141,14 @@ class ExternalRobot:
             return f"what is heard on {robot_node.senses.distrusted} cannot be true"
         if robot_node.senses.odometry_history.fresh() is not None:
             return ""
-        never = robot_node.senses.odometry_history.newest() is None
-        return (
-            f"{'nothing' if never else 'nothing more'} is heard on {robot_node.senses.odom_topic}"
-        )
+        if robot_node.senses.odometry_history.newest() is None:
+            return robot_node.odometry_fault
+        return f"nothing more is heard on {robot_node.senses.odom_topic}"
+
+    @property
+    def doubts(self) -> Sequence[str]:
+        """What is not as it should be with the types of its topics, each in a few words."""
+        return self._robot_node.types.doubts if self._robot_node else []
 
     @property
     def refusals(self) -> Mapping[tuple[str, ...], int]:
@@ -240,7 +243,7 @@ class ExternalRobot:
             "odom_age": round(robot_node.senses.odometry_history.age_s(seen), 3)
             if robot_node and seen
             else None,
-            "lidar": bool(robot_node and robot_node.senses.scan()),
+            "lidar": bool(robot_node and robot_node.senses.scans),
             "camera": bool(robot_node and robot_node.senses.camera.sees),
         }
 
@@ -276,6 +279,8 @@ class ExternalRobot:
         robot_node = self._switched_on()
 
         def make(estimate: PoseEstimate, backend: MotionBackend) -> ExternalMotion:
+            if backend.name == OwnSteering.name:
+                robot_node.check_wheels()
             trust = LocalisationCheck(robot_node.senses, estimate)
             return ExternalNavigation(target, backend, estimate, trust, self._clock.now())
 
@@ -313,6 +318,7 @@ class ExternalRobot:
         robot_node = self._switched_on()
 
         def make(estimate: PoseEstimate, backend: MotionBackend) -> ExternalMotion:
+            robot_node.check_wheels()
             motion = ExternalRelativeMotion(
                 course,
                 robot_node.senses,
@@ -381,10 +387,9 @@ class ExternalRobot:
         estimate = robot_node.senses.estimate()
         if estimate is not None:
             return estimate
-        topic = robot_node.senses.odom_topic
         if robot_node.senses.odometry_history.newest() is None:
-            raise SkillFailed(because("robot_unheard", topic=topic))
-        raise SkillFailed(because("lost", topic=topic))
+            raise SkillFailed(robot_node.odometry_missing)
+        raise SkillFailed(because("lost", topic=robot_node.senses.odom_topic))
 
     def _report(self, drive: ExternalMotion, report: Report) -> None:
         with self._lock:

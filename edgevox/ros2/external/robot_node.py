@@ -3,13 +3,19 @@
 import sys
 from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager
+from dataclasses import replace
 
 from rclpy.clock import Clock as RosClock
 from rclpy.clock_type import ClockType
+from std_msgs.msg import Header
 
+from edgevox.agent.skills import SkillFailed
+from edgevox.agent.text.reasons import because
 from edgevox.core.cancel import CancelToken
 from edgevox.core.clock import Clock
 from edgevox.core.log import get_logger
+from edgevox.core.reason import Reason
+from edgevox.core.transforms import BASE
 from edgevox.ros2.agent_node_handle import AgentNodeHandle
 from edgevox.ros2.contract import EXTERNAL_NODE
 from edgevox.ros2.external.inputs import SensorInputs
@@ -29,13 +35,18 @@ from edgevox.ros2.external.settings import (
     Speeds,
     SteeringLimits,
 )
+from edgevox.ros2.external.topic_types import TopicTypes
+from edgevox.ros2.messages import header
 from edgevox.ros2.node import RosNode
 from edgevox.ros2.robot_file.skills import DescribedSkill
+from edgevox.ros2.stamps import NS_PER_S, to_msg
 
 log = get_logger(__name__)
 
 TICK_S = 0.05
 _LOOK_AGAIN_S = 0.05
+LOOK_S = 0.5
+"""Seconds between two looks at the types of the robot's topics."""
 
 
 class RobotNode:
@@ -58,10 +69,15 @@ class RobotNode:
         ros_args = [*sys.argv, *settings.remappings] if settings.remappings else ()
         self._ros = RosNode(namespace, ros_args, name=EXTERNAL_NODE)
         node = self._ros.node
-        self.senses = SensorInputs(node, clock, _speeds(settings.steering))
-        wheels = VelocityPublisher(node)
+        self.types = TopicTypes(node)
+        steering = settings.steering
+        self.senses = SensorInputs(
+            node, clock, _speeds(steering), self.types, half_width_m=steering.half_width_m
+        )
+        wheels = VelocityPublisher(self._ros, self.types, self._header)
+        self._wheels_topic = node.resolve_topic_name("cmd_vel")
         self._cancel = Nav2Cancel(node, clock)
-        goals = GoalTopicBackend(node, self._cancel.cancel_all, settings.goal_patience)
+        goals = GoalTopicBackend(node, self._cancel.cancel_all, settings.goal_patience, self.types)
         nav2 = nav2_action(node, self._cancel.cancel_all, settings.goal_patience)
         self._takers: list[MotionBackend] = [nav2, goals] if nav2 else [goals]
         self.control = ControlLoop(
@@ -80,6 +96,7 @@ class RobotNode:
         if handle:
             handle.open(node)
         self._silent = False
+        self._look_s = clock.now()
         # Real time: a /clock that stands still or jumps must not leave a robot driving.
         steady = RosClock(clock_type=ClockType.STEADY_TIME)
         node.create_timer(TICK_S, self._tick, clock=steady)
@@ -94,6 +111,7 @@ class RobotNode:
         if self._handle:
             self._handle.close()
         self._ros.close()
+        self.types.close()
 
     @property
     def stalled_s(self) -> float:
@@ -114,6 +132,34 @@ class RobotNode:
         )
         return next((one for one in self._takers if one.available()), self._steering)
 
+    def check_wheels(self) -> None:
+        """Raise `SkillFailed` if no velocity can reach the robot."""
+        if unfit := self.types.unfit("cmd_vel"):
+            unfit.check()
+        if not self.types.is_there("cmd_vel"):
+            reason = because("velocities_unheard", topic=self._wheels_topic)
+            raise SkillFailed(replace(reason, text=reason.text + self._hint("cmd_vel")))
+
+    @property
+    def odometry_missing(self) -> Reason:
+        """The reason why nothing was ever heard of the odometry."""
+        if unfit := self.types.unfit("odom"):
+            return unfit.reason
+        reason = because("robot_unheard", topic=self.senses.odom_topic)
+        return replace(reason, text=reason.text + self._hint("odom"))
+
+    @property
+    def odometry_fault(self) -> str:
+        """The same in a few words."""
+        if unfit := self.types.unfit("odom"):
+            return str(unfit)
+        return f"nothing is heard on {self.senses.odom_topic}{self._hint('odom')}"
+
+    def _hint(self, topic: str) -> str:
+        """Other topics that the robot may mean by this one, in brackets; empty without any."""
+        there = self.types.elsewhere(topic)
+        return f" (there is {', '.join(there)}: name it in a robot file's topics)" if there else ""
+
     def recall(self) -> None:
         """Make what takes goals forget them, whoever sent them."""
         self._cancel.cancel_all()
@@ -124,8 +170,19 @@ class RobotNode:
             token.wait(_LOOK_AGAIN_S)
             token.check()
 
+    def _header(self) -> Header:
+        """The header of a velocity: the robot's base, at the robot's time."""
+        seen = self.senses.odometry_history.newest()
+        if seen is None or not seen.stamp_ns:
+            return Header(frame_id=BASE, stamp=self._ros.node.get_clock().now().to_msg())
+        age_ns = int(self.senses.odometry_history.age_s(seen) * NS_PER_S)
+        return header(seen.child_frame, to_msg(seen.stamp_ns + age_ns))
+
     def _tick(self) -> None:
         with self._lock:
+            if self._clock.now() >= self._look_s:
+                self._look_s = self._clock.now() + LOOK_S
+                self.types.look()
             try:
                 self.control.tick()
             except Exception as error:

@@ -29,8 +29,13 @@ from edgevox.core.files.yaml_file import YamlFile, value_key
 from edgevox.core.languages import LANGUAGES
 from edgevox.core.settings import Settings
 from edgevox.robots.names import LocalNames, check_told_apart
-from edgevox.ros2.external.locations import Location, LocationsFile, load_locations, read_locations
-from edgevox.ros2.external.settings import SteeringLimits
+from edgevox.ros2.external.settings import (
+    Location,
+    LocationsFile,
+    SteeringLimits,
+    load_locations,
+    read_locations,
+)
 from edgevox.ros2.robot_file.steps import (
     GraphName,
     Meaning,

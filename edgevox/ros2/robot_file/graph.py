@@ -61,15 +61,24 @@ class Wanted:
     contract: str = ""
     """The contract's name for a topic that belongs to no skill."""
 
+    @property
+    def types(self) -> tuple[str, ...]:
+        """The types that EdgeVox can use there."""
+        return DRIVEN[self.contract].types if self.contract else (self.type,)
+
 
 def wanted_by(robot: RobotFile) -> Iterator[Wanted]:
     """Every interface that the file names, of skills whose types make sense, each once a skill."""
     for topic, name in robot.topics.items():
-        row = DRIVEN[topic]
-        role: Role = "publisher" if row.direction == "in" else "subscriber"
-        yield Wanted(TOPICS, role, name, row.type, contract=topic)
+        yield _wanted_by_contract(topic, name)
     for skill, entry in robot.skills.items():
         yield from dict.fromkeys(_wanted_by_steps(skill, entry))
+
+
+def _wanted_by_contract(topic: str, name: str) -> Wanted:
+    row = DRIVEN[topic]
+    role: Role = "publisher" if row.direction == "in" else "subscriber"
+    return Wanted(TOPICS, role, name, row.type, contract=topic)
 
 
 def _wanted_by_steps(skill: str, entry: SkillEntry) -> Iterator[Wanted]:
@@ -193,11 +202,24 @@ def _on_the_graph(described: DescribedRobot, settings: Settings) -> dict[str, An
             for one in wanted_by(described.robot)
         ]
         offers = _until_all_are_there(ros, wanted)
+        wanted += _misfits(described.robot, namespace, offers)
         others = len(ros.node.get_node_names()) - 1
     finally:
         ros.close()
     found = [_told(one, name, offers) for one, name in wanted]
     return {"others": others, "found": found, "elsewhere": _elsewhere(wanted, offers)}
+
+
+def _misfits(robot: RobotFile, namespace: str, offers: Offers) -> Iterator[tuple[Wanted, str]]:
+    """Yield topics of the contract that keep their names and have another type there."""
+    for topic in DRIVEN if robot.drives else ():
+        wanted, name = (
+            _wanted_by_contract(topic, topic),
+            expand_topic_name(topic, NODE_NAME, namespace),
+        )
+        there = {one.type for one in offers[wanted.role].get(name, ())}
+        if topic not in robot.topics and there and there.isdisjoint(wanted.types):
+            yield wanted, name
 
 
 def _until_all_are_there(ros: RosNode, wanted: Sequence[tuple[Wanted, str]]) -> Offers:
@@ -216,13 +238,15 @@ def _until_all_are_there(ros: RosNode, wanted: Sequence[tuple[Wanted, str]]) -> 
 def _told(wanted: Wanted, name: str, offers: Offers) -> dict[str, Any]:
     ends = offers[wanted.role].get(name, [])
     types = sorted({one.type for one in ends})
-    right = [one.profile for one in ends if one.type == wanted.type and one.profile]
+    right = [one.profile for one in ends if one.type in wanted.types and one.profile]
     unfit = _unfit(wanted, right, latched=wanted.latched)
     return {
         "whose": wanted.whose,
         "role": wanted.role,
         "name": name,
-        "type": wanted.type,
+        "contract": wanted.contract,
+        "type": " or ".join(wanted.types),
+        "fits": not types or not set(types).isdisjoint(wanted.types),
         "types": types,
         "unfit": unfit,
         "latched": not wanted.latched
@@ -260,7 +284,7 @@ def _near(wanted: Wanted, name: str, offers: Offers) -> Iterator[tuple[str, str]
     }
     alike = sorted(known, key=lambda other: -_likeness(name, other))
     alike = [other for other in alike if _likeness(name, other) >= _ALIKE]
-    same_type = [other for other in sorted(known) if wanted.type in known[other]]
+    same_type = [other for other in sorted(known) if set(wanted.types) & set(known[other])]
     for other in list(dict.fromkeys([*alike, *same_type]))[:MOST_NEAR]:
         yield other, ", ".join(known[other])
 

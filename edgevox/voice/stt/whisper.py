@@ -16,8 +16,13 @@ from edgevox.core.errors import EdgeVoxError
 from edgevox.core.process import usable_cpus
 from edgevox.voice.audio import FULL_SCALE, RATE_HZ, Samples
 from edgevox.voice.stt.adapter import adapted_folder, adapter_for
-from edgevox.voice.stt.plausible import Segment, heard_again, is_doubtful, transcript_of
-from edgevox.voice.stt.speech_to_text import Transcript
+from edgevox.voice.stt.speech_to_text import (
+    Segment,
+    Transcript,
+    heard_again,
+    is_doubtful,
+    transcript_of,
+)
 
 MAX_THREADS = 4
 """More do not help one utterance."""

@@ -28,6 +28,10 @@ PACKAGES = {
 need more: espeak-ng, which makes the phonemes of the other languages, cannot read their script."""
 
 
+SERVER = "server"
+"""The backend of a voice that is on no machine of ours (`edgevox.voice.remote`)."""
+
+
 def installed(voice: Voice) -> bool:
     """Return whether everything but the voice's model is installed."""
     if voice.backend == "espeak":
@@ -145,11 +149,17 @@ loading."""
 class VoicePool:
     """Loads voices on demand and keeps the ones that were used last.
 
-    Used from one thread. Kokoro's voices share one model, espeak-ng's one library.
+    Used from one thread. Kokoro's voices share one model, espeak-ng's one library. `server` opens a
+    server's voice.
     """
 
-    def __init__(self, most: int = MOST_LOADED) -> None:
+    def __init__(
+        self,
+        most: int = MOST_LOADED,
+        server: Callable[[VoiceChoice], Synthesiser] | None = None,
+    ) -> None:
         self._most = most
+        self._server = server
         self._loaded: OrderedDict[VoiceChoice, Synthesiser] = OrderedDict()
         self.files: frozenset[Path] = frozenset()
         """Files of the voices that are loaded. May be read from any thread."""
@@ -170,6 +180,8 @@ class VoicePool:
         return found
 
     def _load(self, choice: VoiceChoice) -> Synthesiser:
+        if choice.backend == SERVER and self._server:
+            return self._server(choice)
         match choice.backend, choice.files:
             case "piper", (model,):
                 from edgevox.voice.tts.piper import PiperSynthesiser

@@ -1,8 +1,9 @@
 """The wake gate: decides which speech is for the robot, a state machine over times.
 
-Without the wake word no speech is acted on, with one exception: a robot that is told to stop must
-stop. So a short utterance without the wake word is transcribed too, and only a stop word in it
-counts.
+Without the wake word no speech is acted on, with two exceptions. A robot that is told to stop must
+stop, so a short utterance without the wake word is transcribed too. And nobody says the wake word
+to answer a question or to go on: while a follow-up is awaited, a longer utterance is transcribed,
+and its words tell whether it is one.
 
 `without_phrase` takes the wake word out of a transcript: speech to text spells it in its own ways.
 """
@@ -48,6 +49,8 @@ FOLLOW_S = 8.0
 """Seconds after the wake word in which speech is for the robot."""
 SHORT_S = 2.5
 """An utterance without the wake word that is longer is not looked into."""
+FOLLOW_UP_S = 8.0
+"""The same while a follow-up is awaited."""
 PHRASE_ALONE_S = 0.4
 """Less speech than this after the wake word is its own end."""
 PHRASE_S = 1.3
@@ -58,7 +61,8 @@ class WakeDecision(Enum):
     """A decision on an utterance."""
 
     TAKE = auto()
-    ONLY_STOP = auto()
+    UNADDRESSED = auto()
+    """Its words tell whether it is for the robot: a stop word, or a follow-up."""
     IGNORE = auto()
 
 
@@ -83,15 +87,15 @@ class WakeGate:
         """Return whether speech at this time is for the robot."""
         return self._woken_s is not None and now_s <= self._until_s
 
-    def judge(self, speech: SpeechEnded | SpeechPaused) -> WakeDecision:
-        """Decide on the utterance, as if it were over."""
+    def judge(self, speech: SpeechEnded | SpeechPaused, *, awaited: bool = False) -> WakeDecision:
+        """Decide on the utterance, as if it were over; `awaited` if it may be a follow-up."""
         woken_s = self._woken_for(speech)
         if woken_s is not None:
             alone = woken_s >= speech.began_s and speech.ended_s - woken_s < PHRASE_ALONE_S
             # After the phrase alone, what is meant comes next.
             return WakeDecision.IGNORE if alone else WakeDecision.TAKE
-        if speech.ended_s - speech.began_s <= SHORT_S:
-            return WakeDecision.ONLY_STOP
+        if speech.ended_s - speech.began_s <= (FOLLOW_UP_S if awaited else SHORT_S):
+            return WakeDecision.UNADDRESSED
         return WakeDecision.IGNORE
 
     def take(self, speech: SpeechEnded) -> None:

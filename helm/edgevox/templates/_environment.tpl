@@ -72,6 +72,21 @@
 {{- $_ := set $env "EDGEVOX_LLM_ENDPOINT_KEY_FILE" "/run/secrets/edgevox-llm/key" -}}
 {{- end -}}
 {{- end -}}
+{{- range $part := list "stt" "tts" -}}
+{{- $server := get $robot $part -}}
+{{- with $server.endpoint -}}
+{{- $name := printf "EDGEVOX_%s_ENDPOINT" (upper $part) -}}
+{{- $_ := set $env $name . -}}
+{{- $_ := set $env (printf "%s_MODEL" $name) $server.endpointModel -}}
+{{- $_ := set $env (printf "%s_TIMEOUT" $name) $server.endpointTimeoutSeconds -}}
+{{- if eq $part "tts" -}}
+{{- $_ := set $env (printf "%s_VOICE" $name) $server.endpointVoice -}}
+{{- end -}}
+{{- if $server.endpointKeySecret.name -}}
+{{- $_ := set $env (printf "%s_KEY_FILE" $name) (printf "/run/secrets/edgevox-%s/key" $part) -}}
+{{- end -}}
+{{- end -}}
+{{- end -}}
 {{- range $name, $value := mergeOverwrite $env $robot.settings -}}
 {{- if and (kindIs "float64" $value) (eq (floor $value) (float64 $value)) -}}
 {{- $value = int64 $value -}}

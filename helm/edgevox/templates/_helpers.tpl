@@ -58,7 +58,7 @@ edgevox/domain: {{ .domain | int | quote }}
 
 {{/* All robots, each with what counts for all of them filled in: a list under "robots", as JSON. */}}
 {{- define "edgevox.robots" -}}
-{{- $common := pick .Values "affinity" "agent" "audioIn" "audioOut" "console" "discovery" "drainSeconds" "env" "externalNamespace" "extraVolumeMounts" "extraVolumes" "files" "framePrefix" "health" "hostNetwork" "language" "llm" "logLevel" "models" "muted" "nodeSelector" "places" "plugins" "podAnnotations" "podLabels" "policy" "priorityClassName" "recorder" "resources" "robotNamespace" "runtimeClassName" "security" "settings" "tolerations" "topologySpreadConstraints" "voice" "wakeword" -}}
+{{- $common := pick .Values "affinity" "agent" "audioIn" "audioOut" "console" "discovery" "drainSeconds" "env" "externalNamespace" "extraVolumeMounts" "extraVolumes" "files" "framePrefix" "health" "hostNetwork" "language" "llm" "logLevel" "models" "muted" "nodeSelector" "places" "plugins" "podAnnotations" "podLabels" "policy" "priorityClassName" "recorder" "resources" "robotNamespace" "runtimeClassName" "security" "settings" "stt" "tolerations" "topologySpreadConstraints" "tts" "voice" "wakeword" -}}
 {{- /* The default of the new name says nothing against a value by the old one. */ -}}
 {{- if and (hasKey $common "externalNamespace") (eq $common.robotNamespace "/") -}}
 {{- $_ := unset $common "robotNamespace" -}}

@@ -3,7 +3,7 @@
 {{- /* What it hears by is the robot's; what the robot is made of is not for it. */ -}}
 {{- $own := dict "files" (dict "data" (dict) "configMap" "") "plugins" (dict "volume" (dict)) "policy" (dict) "env" (list) "console" (dict "enabled" false) -}}
 {{- $none := dict "endpoint" "" "model" "none" -}}
-{{- $robot := mergeOverwrite (deepCopy .robot) (dict "llm" $none "settings" (dict)) -}}
+{{- $robot := mergeOverwrite (deepCopy .robot) (dict "llm" $none "stt" $none "tts" $none "settings" (dict)) -}}
 {{- $metrics := and .root.Values.serviceMonitor.enabled (not .robot.hostNetwork) -}}
 {{- range $name, $value := $own }}{{ $_ := set $robot $name $value }}{{ end -}}
 {{- $_ := set $robot "security" (dict "enabled" .robot.security.enabled "enclave" "") -}}

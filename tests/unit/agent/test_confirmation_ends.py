@@ -17,7 +17,7 @@ from edgevox.core.agent_events import (
     ToolCalled,
 )
 from edgevox.core.bus import Bus
-from edgevox.core.commands import Heard, Interrupt, Reset, TextInput
+from edgevox.core.commands import Heard, Interrupt, Reset, SpokenOver, TextInput
 from edgevox.core.events import TurnEnded
 from edgevox.core.speech import Spoken
 
@@ -232,6 +232,12 @@ class PacedSpeech:
     def begin(self, token, on_audible):
         return Saying(token, on_audible, self)
 
+    def hold(self):
+        """It plays no further anyway."""
+
+    def release(self):
+        """It plays no further, not even then."""
+
 
 @pytest.mark.parametrize(("audible", "status"), [(True, "confirmed"), (False, "cancelled")])
 def test_a_question_that_is_spoken_over_stands_if_any_of_it_was_heard(audible, status):
@@ -245,6 +251,18 @@ def test_a_question_that_is_spoken_over_stands_if_any_of_it_was_heard(audible, s
         talk.conversation.submit(TextInput("yes"))
         talk.until(lambda: len(talk.statuses) > 1)
         assert talk.statuses == ["asked", status]
+
+
+def test_a_yes_over_its_question_is_an_answer_and_no_sign_of_listening():
+    speech_output = PacedSpeech(audible=True)
+    with Talk(confirm="always", speech_output=speech_output) as talk:
+        speech_output.clock = talk.clock
+        talk.conversation.submit(TextInput("go to the kitchen"))
+        assert speech_output.began.wait(60)
+        talk.conversation.submit(SpokenOver())
+        talk.conversation.submit(Heard("yes", ended_s=talk.clock.now() + 1.0, over=True))
+        talk.until(lambda: len(talk.statuses) > 1)
+        assert talk.statuses == ["asked", "confirmed"]
 
 
 def test_a_yes_that_was_spoken_before_the_question_and_understood_after_it_is_no_answer():

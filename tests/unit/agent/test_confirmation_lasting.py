@@ -8,7 +8,7 @@ from support.body import FakeBody
 from support.conversation import Talk
 
 from edgevox.agent.skills import Call, SkillSet
-from edgevox.agent.skills.choices import OneOf
+from edgevox.agent.skills.skill import OneOf
 from edgevox.core.events import Outcome
 from edgevox.core.transforms import Pose2D
 from edgevox.robots.capabilities import Twist2D

@@ -8,7 +8,7 @@ from support.conversation import Talk
 
 from edgevox.agent.agents import Agent
 from edgevox.agent.inbox import MAX_WAITING
-from edgevox.agent.llm.chat.grammar import SAY
+from edgevox.agent.llm.grammar import SAY
 from edgevox.agent.skills import SkillSet
 from edgevox.core.clock import SystemClock
 from edgevox.core.commands import Interrupt, Reset, RunSkill, Speak, TextInput
@@ -18,7 +18,7 @@ from edgevox.core.events import (
     TokenGenerated,
     TurnMeasured,
 )
-from edgevox.ops.logs.limit import MOST_LINES
+from edgevox.ops.logs.setup import MOST_LINES
 
 ROOMS_SAID = "kitchen, living room, bedroom and office"
 UNKNOWN_ROOM = phrases.said("unknown_word", argument="room", said="garage", known=ROOMS_SAID)

@@ -2,16 +2,17 @@
 
 import threading
 
+import pytest
 from support.clock import HeldClock
 
 from edgevox.agent.agents import Agent
 from edgevox.agent.conversation import Conversation
-from edgevox.agent.llm.chat.grammar import SAY
-from edgevox.agent.llm.chat.prompt import CUT_MARK
+from edgevox.agent.llm.grammar import SAY
+from edgevox.agent.llm.prompt import CUT_MARK
 from edgevox.agent.skills import SkillSet, skill
 from edgevox.core.bus import Bus
 from edgevox.core.cancel import Cancelled
-from edgevox.core.commands import Heard, Interrupt, Speak, TextInput, Transcribing
+from edgevox.core.commands import Heard, Interrupt, Speak, SpokenOver, TextInput, Transcribing
 from edgevox.core.events import (
     Responded,
     SentenceReady,
@@ -49,6 +50,13 @@ class Saying:
 class PacedSpeech:
     def __init__(self, clock):
         self.utterances, self.played, self._clock = [], threading.Event(), clock
+        self.held = 0
+
+    def hold(self):
+        self.held += 1
+
+    def release(self):
+        self.held -= 1
 
     def begin(self, token, on_audible):
         self.utterances.append(Saying(token, on_audible, self.played, self._clock))
@@ -196,6 +204,51 @@ def test_speaking_over_the_robot_cuts_its_words_but_not_its_drive():
         assert rig.speech_output.utterances[0].token.cancelled
         assert not rig.goal_token.cancelled
         rig.conversation.submit(Heard("stop", ended_s=99.0))
+        assert rig.goal_token.cancelled
+
+
+@pytest.mark.parametrize("words", ["", "Mm-hmm.", "Yeah, okay.", "Oh, I see."])
+def test_who_only_listens_does_not_end_its_answer(words):
+    with Rig() as rig:
+        rig.conversation.submit(TextInput("tell me a story"))
+        assert rig.spoken.wait(60)
+        rig.conversation.submit(SpokenOver())
+        assert rig.speech_output.held == 1
+        rig.conversation.submit(Transcribing())
+        rig.conversation.submit(Heard(words, ended_s=101.0, over=True))
+
+        assert rig.speech_output.held == 0
+        assert not rig.speech_output.utterances[0].token.cancelled
+        rig.speech_output.played.set()
+        assert rig.conversation.wait_idle(10)
+        assert len(rig.speech_output.utterances) == 1
+        assert not rig.of(Responded)[0].cut
+        assert [one.text for one in rig.of(Transcribed)][1:] == [words] * bool(words)
+
+
+@pytest.mark.parametrize("words", ["No.", "Where are you?", "yeah, drive on"])
+def test_other_words_end_its_answer(words):
+    with Rig() as rig:
+        rig.conversation.submit(TextInput("tell me a story"))
+        assert rig.spoken.wait(60)
+        rig.conversation.submit(SpokenOver())
+        rig.conversation.submit(Heard(words, ended_s=101.0, over=True))
+
+        assert rig.speech_output.utterances[0].token.cancelled
+        rig.speech_output.played.set()
+        assert rig.conversation.wait_idle(10)
+        assert rig.of(Responded)[0].cut
+        assert [one.text for one in rig.of(Transcribed)][1] == words
+
+
+def test_a_stop_word_over_its_answer_stops_the_robot():
+    with Rig() as rig:
+        rig.conversation.submit(TextInput("drive on"))
+        assert rig.driving.wait(60)
+        assert rig.spoken.wait(60)
+        rig.conversation.submit(SpokenOver())
+        rig.conversation.submit(Heard("okay, stop", ended_s=101.0, over=True))
+
         assert rig.goal_token.cancelled
 
 

@@ -4,20 +4,21 @@ import threading
 
 import phrases
 import pytest
-from support.clock import HeldClock
+from guards import HUNG_S
+from support.conversation import Talk
 
-from edgevox.agent.agents import Agent
-from edgevox.agent.conversation import Conversation
 from edgevox.agent.goals.executor import SkillExecutor
 from edgevox.agent.skills import SkillSet, skill
 from edgevox.core.bus import Bus
 from edgevox.core.commands import Heard, Interrupt, Reset, StopSpotted, TextInput, Transcribing
-from edgevox.core.events import Responded, State, StateChanged, Transcribed
+from edgevox.core.events import State, StateChanged, Transcribed
 
 
-class Rig:
+class Rig(Talk):
+    """Skills of its own; `at` is a time of its clock."""
+
     def __init__(self):
-        self.bus, self.events, self.busy, self.go_on = Bus(), [], threading.Event(), None
+        self.busy, self.go_on = threading.Event(), threading.Event()
 
         @skill(templates=["say hello"], says="Hello.")
         def say_hello(goal):
@@ -27,50 +28,44 @@ class Rig:
         def think(goal):
             """Think for a while."""
             self.busy.set()
-            assert self.go_on.wait(60)
+            assert self.go_on.wait(HUNG_S)
 
         @skill(templates=["wander"], says="I wander.")
         def wander(goal):
             """Move until somebody stops it, and break when that happens."""
             goal.token.on_cancel(lambda: 1 / 0)
             self.busy.set()
-            goal.token.wait(60)
+            goal.token.wait(HUNG_S)
             goal.token.check()
 
-        self.halted = []
-        for kind in (Responded, StateChanged, Transcribed):
-            self.bus.subscribe(kind, self.events.append)
-        self.conversation = Conversation(
-            [Agent("robot", "Be brief.", SkillSet([say_hello, think, wander]))],
-            self.bus,
-            halt=lambda reason: bool(self.halted.append(reason)),
-            clock=HeldClock(100.0),
-        )
+        super().__init__(skills=SkillSet([say_hello, think, wander]))
 
-    def of(self, kind):
-        return [event for event in self.events if isinstance(event, kind)]
+    def submit(self, *commands):
+        for one in commands:
+            self.conversation.submit(one)
 
-    def __enter__(self):
-        self.go_on = threading.Event()
-        self.conversation.start()
-        return self
+    def heard(self, text, ago_s):
+        """Words that ended so long before now."""
+        return Heard(text, ended_s=self.clock.now() - ago_s)
 
-    def __exit__(self, *_):
-        self.go_on.set()
-        self.conversation.close()
+    @property
+    def transcribed(self):
+        return [event.text for event in self.of(Transcribed)]
 
 
-@pytest.mark.parametrize("how", [TextInput("stop"), StopSpotted(99.0, "stop")])
+@pytest.mark.parametrize("how", [TextInput("stop"), StopSpotted(999.0, "stop")])
 def test_the_body_is_halted_though_what_a_skill_does_when_it_is_stopped_breaks(how, caplog):
     with Rig() as rig:
-        rig.conversation.submit(TextInput("wander"))
-        assert rig.busy.wait(60)
+        halted = []
+        rig.body.on_halt = lambda: halted.append(1)
+        rig.submit(TextInput("wander"))
+        assert rig.busy.wait(HUNG_S)
 
-        rig.conversation.submit(how)
+        rig.submit(how)
 
-        assert len(rig.halted) == 1
+        assert len(halted) == 1
         assert "cancel_callback_failed" in caplog.text
-        assert rig.conversation.wait_idle(60)
+        rig.settle()
 
 
 def test_the_body_is_halted_though_ending_the_turn_breaks():
@@ -91,12 +86,10 @@ def test_the_body_is_halted_though_ending_the_turn_breaks():
 
 def test_what_was_said_before_an_interrupt_and_is_understood_after_it_is_not_done():
     with Rig() as rig:
-        rig.conversation.submit(Transcribing())
-        rig.conversation.submit(Interrupt())
-        rig.conversation.submit(Heard("say hello", ended_s=99.5))
-        assert rig.conversation.wait_idle(10)
+        rig.submit(Transcribing(), Interrupt(), rig.heard("say hello", 0.5))
+        rig.settle()
 
-        assert rig.of(Transcribed) == []
+        assert rig.transcribed == []
         states = [event.state for event in rig.of(StateChanged)]
         assert State.INTERRUPTED in states
         assert states[-1] is State.LISTENING
@@ -104,40 +97,35 @@ def test_what_was_said_before_an_interrupt_and_is_understood_after_it_is_not_don
 
 def test_what_is_said_after_an_interrupt_is_done():
     with Rig() as rig:
-        rig.conversation.submit(Interrupt())
-        rig.conversation.submit(Heard("say hello", ended_s=100.5))
-        assert rig.conversation.wait_idle(10)
+        rig.submit(Interrupt(), rig.heard("say hello", -0.5))
+        rig.settle()
 
-        assert [event.text for event in rig.of(Transcribed)] == ["say hello"]
+        assert rig.transcribed == ["say hello"]
 
 
 def test_a_stop_that_was_said_before_an_interrupt_still_stops():
     with Rig() as rig:
-        rig.conversation.submit(Interrupt())
-        rig.conversation.submit(Heard("stop", ended_s=99.0))
-        assert rig.conversation.wait_idle(10)
+        rig.submit(Interrupt(), rig.heard("stop", 1.0))
+        rig.settle()
 
-        assert [event.text for event in rig.of(Responded)] == [phrases.said("standing")]
+        assert rig.said == [phrases.said("standing")]
 
 
 def test_what_was_said_after_a_spoken_stop_is_done_though_that_was_understood_late():
     with Rig() as rig:
-        rig.conversation.submit(Heard("stop", ended_s=98.0))
-        rig.conversation.submit(Heard("say hello", ended_s=99.0))
-        assert rig.conversation.wait_idle(10)
+        rig.submit(rig.heard("stop", 2.0), rig.heard("say hello", 1.0))
+        rig.settle()
 
-        assert [event.text for event in rig.of(Transcribed)] == ["stop", "say hello"]
+        assert rig.transcribed == ["stop", "say hello"]
 
 
 def test_a_language_that_was_set_is_not_forgotten_by_a_stop():
     with Rig() as rig:
-        rig.conversation.submit(TextInput("think"))
-        assert rig.busy.wait(60)
+        rig.submit(TextInput("think"))
+        assert rig.busy.wait(HUNG_S)
         rig.conversation.set_language("fr")
-        rig.conversation.submit(Reset())
+        rig.submit(Reset())
         rig.go_on.set()
-        assert rig.conversation.wait_idle(10)
-        rig.conversation.submit(TextInput("blorp"))
-        assert rig.conversation.wait_idle(10)
+        rig.settle()
 
-        assert rig.of(Responded)[-1].text.startswith("Je n'ai pas compris")
+        assert rig.say("blorp").startswith("Je n'ai pas compris")

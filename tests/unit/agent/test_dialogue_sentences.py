@@ -9,7 +9,7 @@ from edgevox.agent.agents import Agent
 from edgevox.agent.dialogue.facts import OF_DIALOGUE
 from edgevox.agent.dialogue.skills import ALSO, DIALOGUE_SKILLS, REFERENCES, DialogueSkills
 from edgevox.agent.known import Known
-from edgevox.agent.llm.chat.calls import Protocol
+from edgevox.agent.llm.calls import Protocol
 from edgevox.agent.nlu.templates import Recogniser, Understood
 from edgevox.agent.phrases.load import ENGLISH, phrasebook
 from edgevox.agent.stop.words import SafetyWords

@@ -1,6 +1,10 @@
 import pytest
 
-from edgevox.agent.nlu.disfluencies import fluent
+from edgevox.agent.nlu.disfluencies import fluent, is_back_channel
+from edgevox.agent.phrases.load import phrasebook
+from edgevox.agent.stop.words import SafetyWords
+from edgevox.agent.text.spelling import key
+from edgevox.core.languages import LANGUAGES
 
 
 @pytest.mark.parametrize(
@@ -47,3 +51,34 @@ def test_where_nothing_else_is_said_it_stays(said: str) -> None:
 def test_languages_without_spaces_lose_theirs() -> None:
     assert fluent("えーと、キッチンに行って", "ja") == "キッチンに行って"
     assert fluent("嗯,去厨房", "zh") == "去厨房"
+
+
+@pytest.mark.parametrize("language", LANGUAGES)
+def test_what_listeners_say_is_no_stop_and_no_no(language):
+    said = phrasebook(language).hearing.back_channels
+    stops, answers = SafetyWords(language), phrasebook(language).answers
+
+    assert len(said) >= 10
+    assert all(is_back_channel(one, language) for one in said)
+    assert [one for one in said if stops.find(one)] == []
+    assert {key(one) for one in said} & {key(one) for one in (*answers.no, *answers.not_)} == set()
+
+
+@pytest.mark.parametrize(
+    ("text", "language", "listens"),
+    [
+        ("Mm-hmm.", "en", True),
+        ("Hmmmm", "en", True),
+        ("M-M-Hum.", "en", True),
+        ("Oh, I see. Cool.", "en", True),
+        ("Ah, d'accord.", "fr", True),
+        ("うん、なるほど。", "ja", True),
+        ("嗯,好的。", "zh", True),
+        ("yeah, go to the kitchen", "en", False),
+        ("no", "en", False),
+        ("right turn", "en", False),
+        ("台所へ", "ja", False),
+    ],
+)
+def test_who_only_listens_says_nothing_else(text, language, listens):
+    assert is_back_channel(text, language) is listens

@@ -19,7 +19,7 @@ from waiting import Heard
 from edgevox.agent.agents import Agent
 from edgevox.agent.conversation import Conversation
 from edgevox.agent.llm import factory, weights
-from edgevox.agent.llm.chat.grammar import SAY
+from edgevox.agent.llm.grammar import SAY
 from edgevox.agent.llm.language_model import ModelFailed
 from edgevox.agent.llm.remote import Address, EndpointModel, FallbackModel
 from edgevox.apps.agent.build import build_parts, start_parts

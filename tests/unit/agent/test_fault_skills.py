@@ -1,14 +1,13 @@
 """Skills that misbehave in every way a program can: it is spoken of, and all else goes on."""
 
 import json
-import subprocess
 import sys
 import threading
 import time
 
 import phrases
 import pytest
-from guards import HUNG_S
+from guards import HUNG_S, run_program
 from support.conversation import Talk
 
 from edgevox.agent.goals import executor, lane
@@ -214,9 +213,7 @@ one.close()
 print("closed", flush=True)
 """
     began_s = time.monotonic()
-    done = subprocess.run(
-        [sys.executable, "-c", program], capture_output=True, text=True, timeout=60
-    )
+    done = run_program([sys.executable, "-c", program])
 
     assert (done.returncode, done.stdout) == (0, "closed\n"), done.stderr
     assert time.monotonic() - began_s >= GRACE_S

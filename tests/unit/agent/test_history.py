@@ -1,7 +1,7 @@
 from hypothesis import given
 from hypothesis import strategies as st
 
-from edgevox.agent.llm.chat.prompt import CUT_MARK, History, size_tokens
+from edgevox.agent.llm.prompt import CUT_MARK, History, size_tokens
 
 
 def count(text):

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from edgevox.agent.llm import factory, tuning, weights
+from edgevox.agent.llm import factory, weights
 from edgevox.agent.llm.language_model import ModelFailed
 
 
@@ -116,6 +116,6 @@ def test_what_the_environment_says_about_waiting_is_respected(
     monkeypatch.delenv("GOMP_SPINCOUNT", raising=False)
     monkeypatch.setenv("OMP_WAIT_POLICY", "ACTIVE")
 
-    tuning.spin_briefly()
+    weights.spin_briefly()
 
-    assert "GOMP_SPINCOUNT" not in tuning.os.environ
+    assert "GOMP_SPINCOUNT" not in weights.os.environ

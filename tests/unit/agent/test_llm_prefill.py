@@ -4,7 +4,7 @@ import threading
 
 from guards import HUNG_S
 
-from edgevox.agent.llm.chat.prompt import PromptPrefill
+from edgevox.agent.llm.prompt import PromptPrefill
 from edgevox.core.cancel import CancelToken
 
 
@@ -63,7 +63,7 @@ def test_closed_before_its_turn_it_reads_nothing(monkeypatch):
             done.set()
             return first
 
-    monkeypatch.setattr("edgevox.agent.llm.chat.prompt.CancelToken", Telling)
+    monkeypatch.setattr("edgevox.agent.llm.prompt.CancelToken", Telling)
 
     def after():
         urgent.set()

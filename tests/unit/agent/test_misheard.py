@@ -22,7 +22,7 @@ from edgevox.agent.phrases.load import phrasebook
 from edgevox.agent.skills import Call
 from edgevox.core.commands import Hypothesis
 from edgevox.core.languages import LANGUAGES
-from edgevox.voice.stt.plausible import SHOWN_COMMANDS
+from edgevox.voice.stt.speech_to_text import SHOWN_COMMANDS
 
 NAMES = ("navigate_to", "navigate_xy", "walk_forward", "get_pose")
 

@@ -21,7 +21,7 @@ from edgevox.core.errors import InvalidValue
 from edgevox.core.languages import LANGUAGES
 from edgevox.robots.names import read_name
 from edgevox.robots.world.load import load_world, parse_world
-from edgevox.ros2.external.locations import parse_locations
+from edgevox.ros2.external.settings import parse_locations
 
 ROOT = Path(__file__).parents[3]
 STOPPING = {

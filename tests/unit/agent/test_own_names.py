@@ -25,7 +25,7 @@ from edgevox.robots.flat.planner import PathPlanner
 from edgevox.robots.navigation import LOCATION, navigation_skills
 from edgevox.robots.places.memory import PlaceMemory
 from edgevox.robots.world.load import parse_world
-from edgevox.ros2.external.locations import parse_locations
+from edgevox.ros2.external.settings import parse_locations
 
 ROBOT = "robot: {kinematics: {name: diff}, shape: {name: circle, radius: 0.2}, state: [1, 1, 0]}\n"
 ROOM = "outline: [[0, 0], [4, 0], [4, 5], [0, 5]]"

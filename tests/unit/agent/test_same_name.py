@@ -7,11 +7,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from edgevox.agent.skills import skill
-from edgevox.agent.skills.choices import OneOf
+from edgevox.agent.skills.skill import OneOf
 from edgevox.agent.text.same_name import is_same_name, name_form, names_meant, names_near
 from edgevox.core.errors import InvalidValue
 from edgevox.robots.world.load import parse_world
-from edgevox.ros2.external.locations import parse_locations
+from edgevox.ros2.external.settings import parse_locations
 
 SAME = [
     ("Kitchen", "kitchen"), ("kítchen", "kitchen"), ("kit_chen", "kitchen"),

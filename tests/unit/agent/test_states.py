@@ -1,8 +1,7 @@
 from hypothesis import given
 from hypothesis import strategies as st
 
-from edgevox.agent.states import TRANSITIONS, StateMachine
-from edgevox.agent.turn import Turn
+from edgevox.agent.turn import TRANSITIONS, StateMachine, Turn
 from edgevox.core.bus import Bus
 from edgevox.core.clock import SystemClock
 from edgevox.core.events import State, StateChanged

@@ -5,7 +5,7 @@ import itertools
 from hypothesis import given
 from hypothesis import strategies as st
 
-from edgevox.agent.llm.chat.calls import HANDOFF, OutputParser, Protocol
+from edgevox.agent.llm.calls import HANDOFF, OutputParser, Protocol
 from edgevox.agent.skills import Call, Example, GoalHandle, SkillSet, skill
 
 

@@ -9,8 +9,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from pydantic import Field
 
-from edgevox.agent.llm.chat.calls import OutputParser, Protocol
-from edgevox.agent.llm.chat.grammar import HANDOFF, MAX_MODEL_CALLS, grammar
+from edgevox.agent.llm.calls import OutputParser, Protocol
+from edgevox.agent.llm.grammar import HANDOFF, MAX_MODEL_CALLS, grammar
 from edgevox.agent.skills import GoalHandle, OneOf, SkillSet, skill
 from edgevox.core.errors import InvalidValue
 

@@ -65,3 +65,12 @@ def test_an_address_that_is_one_is_taken(url: str) -> None:
 )
 def test_an_address_is_taken_for_what_it_plainly_is(written: str, meant: str) -> None:
     assert load_settings({"llm_endpoint": written}).llm_endpoint == meant
+
+
+@pytest.mark.parametrize("setting", ["stt_endpoint", "tts_endpoint"])
+def test_speech_has_servers_of_two_kinds(setting: str) -> None:
+    for url in ("http://speech:8000/v1", "tcp://speech:10300", "wyoming://[fd00::1]:10200"):
+        assert getattr(load_settings({setting: url}), setting) == url
+    for url in ("speech:10300", "tcp://speech", "udp://speech:1", "tcp://speech:1/x"):
+        with pytest.raises(InvalidValue, match=f"{setting}: got .*Wyoming"):
+            load_settings({setting: url})

@@ -4,7 +4,8 @@ import pytest
 
 from edgevox.apps.agent import voice
 from edgevox.core.settings import Settings
-from edgevox.models import Store, model_errors
+from edgevox.models import Store
+from edgevox.models.store import ModelMissing
 
 
 class Spotter:
@@ -43,7 +44,7 @@ def test_who_does_not_want_it_has_none(spotter):
 def test_without_its_model_the_robot_starts_and_says_so(monkeypatch, caplog):
     def missing(name):
         model = Store().manifest.models[name]
-        raise model_errors.ModelMissing(model, Store().folder(model), model.files)
+        raise ModelMissing(model, Store().folder(model), model.files)
 
     monkeypatch.setattr(voice, "locate", missing)
 

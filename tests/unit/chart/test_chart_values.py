@@ -47,6 +47,12 @@ def test_every_variable_of_the_container_has_a_value_of_the_chart() -> None:
 
 
 def test_each_value_reaches_the_variable_that_it_is_said_to_reach() -> None:
+    speech = {
+        "endpoint": "tcp://speech:10300",
+        "endpointKeySecret": {"name": "s"},
+        "endpointModel": "large",
+        "endpointTimeoutSeconds": 4.5,
+    }
     values = {
         "agent": "robot-irsim",
         "agentNamespace": "/n",
@@ -74,6 +80,8 @@ def test_each_value_reaches_the_variable_that_it_is_said_to_reach() -> None:
         "muted": True,
         "policy": {"rules": {"voice": "deny"}},
         "robotNamespace": "/base",
+        "stt": speech,
+        "tts": speech | {"endpointVoice": "de=thorsten"},
         "voice": "v",
         "wakeword": "alexa",
     }
@@ -83,8 +91,8 @@ def test_each_value_reaches_the_variable_that_it_is_said_to_reach() -> None:
         wanted: Any = {**values, "domain": 7}
         for part in path.split("."):
             wanted = wanted[part]
-        if path == "llm.endpointKeySecret":
-            wanted = "/run/secrets/edgevox-llm/key"
+        if path.endswith(".endpointKeySecret"):
+            wanted = f"/run/secrets/edgevox-{path.partition('.')[0]}/key"
         if path == "policy":
             wanted = "/etc/edgevox/policy/policy.yaml"
         wanted = wanted[0] if isinstance(wanted, list) else wanted

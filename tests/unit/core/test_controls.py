@@ -32,10 +32,19 @@ def test_another_language_drops_the_voice_of_the_old_one(rig):
     assert heard[1:] == [("language", "fr"), ("voice", "")]
 
 
+@pytest.mark.parametrize("tag", ["fr-FR", "fr_FR.UTF-8", "FR", " fr-Latn-CA", "fr@euro"])
+def test_a_language_may_be_named_by_its_tag_or_locale(rig, tag):
+    controls, heard = rig
+    controls.change({"language": tag})
+    assert controls.language == "fr"
+    assert ("language", "fr") in heard
+
+
 @pytest.mark.parametrize(
     ("wanted", "message"),
     [
         ({"language": "xx"}, "language: got 'xx', expected one of en, es"),
+        ({"language": "C.UTF-8"}, "language: got 'C.UTF-8', expected one of en, es"),
         ({"voice": "ff_siwis"}, "voice: got 'ff_siwis', expected for the language en one of joe"),
         ({"language": "de", "voice": "joe"}, "no voice of this language is on this machine"),
         ({"muted": "yes"}, "muted: got 'yes', expected true or false"),

@@ -10,7 +10,7 @@ import pytest
 from small_disk import small_disk
 
 from edgevox.agent.skills import SkillFailed
-from edgevox.agent.skills.choices import OneOf
+from edgevox.agent.skills.skill import OneOf
 from edgevox.console.certificates import own_tls
 from edgevox.console.sessions import Pairing, Role, Sessions
 from edgevox.console.tls import CurrentTls

@@ -13,9 +13,9 @@ from edgevox.core.files.user_file import LARGEST_TEXT_BYTES, read_text
 from edgevox.core.servers.address import Address
 from edgevox.core.servers.errors import Unusable
 from edgevox.core.settings import load_settings
-from edgevox.robots.humanoid.scene import read_robot
+from edgevox.robots.humanoid.environment import read_robot
 from edgevox.robots.world.load import load_world
-from edgevox.ros2.external.locations import load_locations
+from edgevox.ros2.external.settings import load_locations
 from edgevox.scenario import load_scenario
 from edgevox.voice.sinks.open_sink import WavFile
 from edgevox.voice.sources.open_source import open_source

@@ -4,8 +4,8 @@ from pathlib import Path
 
 import pytest
 
-from edgevox.models.model_errors import SourceFailed
 from edgevox.models.sources.tools import run_tool
+from edgevox.models.store import SourceFailed
 
 
 def run(script: str, where: Path, timeout_s: float = 60.0) -> str:

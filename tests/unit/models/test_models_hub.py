@@ -15,8 +15,8 @@ from models_wheelhouse import CONFIG, VOICE, Counts, store, voice
 from edgevox.models import FetchFailed, Store, fetch
 from edgevox.models.fetch_progress import SilentProgress
 from edgevox.models.manifest import HubSource
-from edgevox.models.model_errors import SourceFailed
 from edgevox.models.sources.hub import Hub
+from edgevox.models.store import SourceFailed
 
 SPEC = HubSource(kind="hub", repo="us/voices", revision="v1", folder="en")
 FILES = {

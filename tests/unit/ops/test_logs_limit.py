@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from support.clock import HeldClock
 
 from edgevox.core.log import LogLine
-from edgevox.ops.logs.limit import HELD_BACK, MOST_EVENTS, MOST_LINES, WINDOW_S, RateLimit
+from edgevox.ops.logs.setup import HELD_BACK, MOST_EVENTS, MOST_LINES, WINDOW_S, RateLimit
 
 
 class Lines(logging.Handler):

@@ -8,8 +8,7 @@ import pytest
 from logs_rig import logging_to_memory
 
 from edgevox.core.log import Said, bound, get_logger
-from edgevox.ops.logs.limit import MOST_LINES
-from edgevox.ops.logs.setup import MOST_CHARACTERS, TurnLines
+from edgevox.ops.logs.setup import MOST_CHARACTERS, MOST_LINES, TurnLines
 
 log = get_logger("edgevox.tested_turn_lines")
 

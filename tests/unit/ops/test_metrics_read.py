@@ -17,6 +17,7 @@ from edgevox.core.cancel import CancelToken
 from edgevox.core.commands import Way
 from edgevox.core.motion.interlock import Interlock
 from edgevox.core.servers.errors import Unreachable
+from edgevox.core.servers.health import ServerHealth
 from edgevox.core.settings import check_settings
 from edgevox.core.status import Components, Gauges
 from edgevox.ops.health import Health
@@ -43,6 +44,9 @@ class Server:
         yield "Hello."
 
 
+HEARING = ServerHealth("stt", "voice:1", "the model on board")
+
+
 @pytest.fixture
 def parts(tmp_path):
     """An agent as far as its metrics go."""
@@ -64,6 +68,8 @@ def parts(tmp_path):
             source=SimpleNamespace(name="a microphone", dropped=7),
             sink=SimpleNamespace(name="a loudspeaker"),
             stt=SimpleNamespace(),
+            hearing=SimpleNamespace(shared=SimpleNamespace(health=HEARING, on_board_fault="")),
+            speech=SimpleNamespace(health=ServerHealth("tts", "voice:1", "a voice on board")),
             weights=lambda: {"stt": (tmp_path,), "tts": frozenset({tmp_path / "voice.onnx"})},
         ),
         listener=SimpleNamespace(

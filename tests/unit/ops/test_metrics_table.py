@@ -21,6 +21,8 @@ BARE = {
     "edgevox_recordings_upload_failed",
     "edgevox_threads",
     "edgevox_llm_server_up",
+    "edgevox_stt_server_up",
+    "edgevox_tts_server_up",
     "process_open_fds",
     "process_max_fds",
 }

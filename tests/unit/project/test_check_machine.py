@@ -7,6 +7,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from guards import run_program
 
 ROOT = Path(__file__).parents[3]
 LIST = ROOT / "requirements" / "debian.list"
@@ -39,12 +40,8 @@ def check(tmp_path, monkeypatch):
     (tmp_path / "list").write_text(LACKING)
 
     def run(*arguments: str, python: str = sys.executable) -> subprocess.CompletedProcess:
-        return subprocess.run(
-            [ROOT / "scripts" / "check_machine", *arguments],
-            env=os.environ | {"PYTHON": python},
-            capture_output=True,
-            text=True,
-            timeout=60,
+        return run_program(
+            [ROOT / "scripts" / "check_machine", *arguments], env=os.environ | {"PYTHON": python}
         )
 
     return run
@@ -107,13 +104,8 @@ def environment_of_nobody() -> dict[str, str]:
 def dry_run(*arguments: str, **environment: str) -> list[str]:
     """What `make` would do."""
     kept = environment_of_nobody()
-    return subprocess.run(
-        ["make", "--dry-run", "--silent", *arguments],
-        cwd=ROOT,
-        env=kept | environment,
-        capture_output=True,
-        text=True,
-        timeout=60,
+    return run_program(
+        ["make", "--dry-run", "--silent", *arguments], cwd=ROOT, env=kept | environment
     ).stdout.splitlines()
 
 
@@ -183,13 +175,8 @@ def run_tests(tmp_path):
             "DOCKER_HOST": NOWHERE,
             "PATH": f"{programs}:{os.environ['PATH']}",
         }
-        return subprocess.run(
-            [tmp_path / "scripts" / "run_tests", "-x"],
-            cwd=tmp_path,
-            env=kept | told | environment,
-            capture_output=True,
-            text=True,
-            timeout=60,
+        return run_program(
+            [tmp_path / "scripts" / "run_tests", "-x"], cwd=tmp_path, env=kept | told | environment
         )
 
     return run

@@ -9,7 +9,7 @@ import yaml
 from corpus_robots import is_right, skills_of_robots
 from corpus_sentences import ROBOTS, held_out, is_held_out, read_corpus, tuning
 
-from edgevox.agent.llm.chat.prompt import examples
+from edgevox.agent.llm.prompt import examples
 from edgevox.agent.phrases.load import phrasebook
 from edgevox.agent.skills import Call
 from edgevox.agent.text.spelling import key

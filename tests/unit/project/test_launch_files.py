@@ -161,6 +161,9 @@ def test_the_namespace_and_the_file_of_settings_are_described_in_the_same_words(
 def test_an_old_name_goes_on_working_and_is_told_to_be_one(
     description: LaunchDescription, old: str, new: str
 ) -> None:
+    if new not in description.arguments:
+        assert old not in description.arguments
+        return
     assert description.arguments[old].description == f"old name of {new}"
     assert (
         started(description, **{old: "/a"}).command == started(description, **{new: "/a"}).command

@@ -8,7 +8,7 @@ from edgevox.agent.skills import SkillSet
 from edgevox.core.cancel import CancelToken
 from edgevox.core.errors import InvalidValue
 from edgevox.core.transforms import Pose2D
-from edgevox.robots.humanoid.skills import walking_skills
+from edgevox.robots.relative_skills import walking_skills
 
 
 class Body:

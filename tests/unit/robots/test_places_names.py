@@ -5,7 +5,7 @@ import pytest
 
 from edgevox.agent.phrases.load import phrasebook
 from edgevox.agent.skills import SkillFailed
-from edgevox.agent.skills.choices import OneOf
+from edgevox.agent.skills.skill import OneOf
 from edgevox.core.languages import LANGUAGES
 from edgevox.core.transforms import Pose2D
 from edgevox.robots.names import LONGEST_PLACE

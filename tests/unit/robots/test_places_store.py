@@ -11,7 +11,7 @@ import pytest
 from small_disk import small_disk
 
 from edgevox.agent.skills import SkillFailed
-from edgevox.agent.skills.choices import OneOf
+from edgevox.agent.skills.skill import OneOf
 from edgevox.core.transforms import Pose2D
 from edgevox.robots.places.memory import PlaceMemory
 from edgevox.robots.places.store import PlaceStore
@@ -91,7 +91,7 @@ CRASH = """
 import os, sys
 from pathlib import Path
 from edgevox.core.files import state_files
-from edgevox.agent.skills.choices import OneOf
+from edgevox.agent.skills.skill import OneOf
 from edgevox.core.transforms import Pose2D
 from edgevox.robots.places.memory import PlaceMemory
 from edgevox.robots.places.store import PlaceStore

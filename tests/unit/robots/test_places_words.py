@@ -5,12 +5,12 @@ from typing import Annotated
 import phrases
 import pytest
 
-from edgevox.agent.llm.chat.calls import Protocol
-from edgevox.agent.llm.chat.prompt import MOST_LEARNED
+from edgevox.agent.llm.calls import Protocol
+from edgevox.agent.llm.prompt import MOST_LEARNED
 from edgevox.agent.llm.remote.gbnf import Matcher
 from edgevox.agent.nlu.templates import Recogniser, RefusedCommand, Understood
 from edgevox.agent.skills import Call, SkillSet, skill
-from edgevox.agent.skills.choices import OneOf
+from edgevox.agent.skills.skill import OneOf
 from edgevox.core.errors import InvalidValue
 
 

@@ -6,7 +6,7 @@ import pytest
 from edgevox.agent.nlu.templates import Recogniser, Understood
 from edgevox.agent.phrases.load import ENGLISH, phrasebook
 from edgevox.agent.skills import Call, Skill, SkillFailed, SkillSet
-from edgevox.agent.skills.choices import OneOf
+from edgevox.agent.skills.skill import OneOf
 from edgevox.core.cancel import CancelToken
 from edgevox.core.errors import InvalidValue
 from edgevox.core.transforms import Pose2D

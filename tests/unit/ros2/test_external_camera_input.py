@@ -1,11 +1,14 @@
 """The pictures of a robot's own camera, as its driver sends them."""
 
+import io
+
 import numpy as np
 import pytest
-from sensor_msgs.msg import Image
+from PIL import Image as Pillow
+from sensor_msgs.msg import CompressedImage, Image
 
 from edgevox.core.errors import InvalidValue
-from edgevox.ros2.external.inputs import pixels_of
+from edgevox.ros2.external.camera import pixels_of, unpacked
 
 RED, BLUE = (200, 10, 20), (30, 40, 250)
 
@@ -58,3 +61,23 @@ def test_what_cannot_be_a_picture_is_refused_by_field(changed: dict, field: str)
     with pytest.raises(InvalidValue) as refused:
         pixels_of(message)
     assert refused.value.field == f"camera/image_raw: {field}"
+
+
+@pytest.mark.parametrize("kind", ["PNG", "WEBP"])
+def test_a_compressed_picture_has_its_colours(kind: str) -> None:
+    pixels = np.array([[RED, BLUE, RED], [BLUE, RED, BLUE]], np.uint8)
+    file = io.BytesIO()
+    Pillow.fromarray(pixels).save(file, kind, lossless=True)
+
+    assert (unpacked(CompressedImage(data=file.getvalue())) == pixels).all()
+
+
+def test_a_compressed_picture_that_is_cut_or_of_depth_is_refused_by_its_format() -> None:
+    file = io.BytesIO()
+    Pillow.fromarray(np.zeros((64, 64, 3), np.uint8)).save(file, "JPEG")
+    depth = b"\0" * 12 + file.getvalue()
+    for data in (file.getvalue()[:-200], depth, b""):
+        with pytest.raises(InvalidValue) as refused:
+            unpacked(CompressedImage(format="16UC1; compressedDepth png", data=data))
+        assert refused.value.field == "camera/image_raw: format"
+        assert refused.value.value == "16UC1; compressedDepth png"

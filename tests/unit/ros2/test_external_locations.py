@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from edgevox.ros2.external.locations import Location, load_locations, parse_locations
+from edgevox.ros2.external.settings import Location, load_locations, parse_locations
 
 EXAMPLE = Path(__file__).parents[3] / "examples" / "ros2" / "locations.yaml"
 

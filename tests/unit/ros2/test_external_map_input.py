@@ -11,6 +11,7 @@ from rclpy.serialization import serialize_message
 from edgevox.core.errors import InvalidValue
 from edgevox.robots.occupancy_map import FREE, OCCUPIED, UNKNOWN
 from edgevox.ros2.external.inputs import MOST_CELLS, MOST_SHOWN, MapInput, map_of
+from edgevox.ros2.external.topic_types import TopicTypes
 
 
 def grid(values: np.ndarray, resolution: float = 0.5, **origin: float) -> OccupancyGrid:
@@ -99,6 +100,9 @@ class HeardNode:
     def resolve_topic_name(self, topic: str) -> str:
         return f"/{topic}"
 
+    def get_publishers_info_by_topic(self, _topic) -> list:
+        return []
+
     def create_subscription(self, _type, _topic, callback, quality, **_) -> None:
         self._hear.append((callback, quality))
 
@@ -123,7 +127,7 @@ class HeardNode:
 )
 def test_what_is_no_map_takes_none_away_also_before_anybody_looks(lie: bytes) -> None:
     node = HeardNode()
-    heard = MapInput(node)
+    heard = MapInput(node, TopicTypes(node))
     for columns in (4, 7):
         node.publish(serialize_message(grid(np.zeros((2, columns)))))
         node.publish(lie)
@@ -135,7 +139,7 @@ def test_what_is_no_map_takes_none_away_also_before_anybody_looks(lie: bytes) ->
 
 def test_one_that_is_heard_both_ways_is_made_once() -> None:
     node = HeardNode()
-    heard = MapInput(node)
+    heard = MapInput(node, TopicTypes(node))
     assert node.durabilities == {"TRANSIENT_LOCAL", "VOLATILE"}
     node.publish(serialize_message(grid(np.zeros((2, 4)))))
     first = heard.newest()

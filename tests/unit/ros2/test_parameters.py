@@ -42,7 +42,7 @@ class Controls:
     def change(self, wanted: dict[str, Any]) -> None:
         if self.broken and wanted["language"] != self.language:
             raise InvalidValue("language", wanted["language"], "one that can be heard here")
-        self.language = wanted["language"]
+        self.language = wanted["language"].partition("-")[0]
 
 
 def rig() -> tuple[Node, Controls, Bus, list[Any]]:
@@ -61,6 +61,17 @@ def test_what_cannot_be_honoured_any_more_is_shown_as_it_is() -> None:
         act(*given)
 
     assert controls.language == node.values["language"] == "en"
+
+
+def test_a_value_that_is_reworded_is_shown_as_it_counts() -> None:
+    node, controls, _, tasks = rig()
+
+    node.set_parameters([Parameter("language", value="de-DE")])
+    while tasks:
+        act, given = tasks.pop(0)
+        act(*given)
+
+    assert controls.language == node.values["language"] == "de"
 
 
 def test_a_change_that_was_taken_back_meanwhile_is_not_shown_and_not_done_again() -> None:

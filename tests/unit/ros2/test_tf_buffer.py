@@ -22,7 +22,7 @@ from edgevox.core.transforms import (
     rigid,
 )
 from edgevox.ros2.interop.frames import Frames
-from edgevox.ros2.interop.inputs import on_map
+from edgevox.ros2.interop.interop import on_map
 from edgevox.ros2.tf_buffer import AHEAD_NS, FOR_GOOD, KEPT, MOST_FRAMES, FramePose, TfBuffer
 
 trees = st.lists(st.tuples(st.integers(0, 100), POSES), min_size=1, max_size=8)

@@ -29,7 +29,7 @@ def own_topics(names: frozenset[str]) -> set[str]:
 
 
 def test_a_robot_says_what_the_contract_has_it_say_and_no_more() -> None:
-    standard = {"pose", "odom", "scan", "image_raw", "camera_info"}
+    standard = {"pose", "odom", "scan", "image_raw", "camera_info", "picture"}
     assert own_topics(of(EnclaveRole.ROBOT).publish) == SPOKEN | standard | {"audio_out"}
 
 

@@ -6,16 +6,16 @@ import math
 import pytest
 
 from edgevox.agent.nlu.meaning import HEARD_FROM
-from edgevox.voice.stt.plausible import (
+from edgevox.voice.stt.speech_to_text import (
     AROUND_S,
     BYTES_A_SECOND,
     SHOWN_COMMANDS,
     Segment,
+    Transcript,
     heard_again,
     is_doubtful,
     transcript_of,
 )
-from edgevox.voice.stt.speech_to_text import Transcript
 
 
 def alone(*texts):

@@ -4,14 +4,14 @@ import math
 
 import pytest
 
-from edgevox.voice.stt.plausible import (
+from edgevox.voice.stt.speech_to_text import (
     Segment,
+    Transcript,
     parroted,
     plausible,
     transcript_of,
     words_of,
 )
-from edgevox.voice.stt.speech_to_text import Transcript
 
 
 def segment(text, log_probability=-0.1):

@@ -3,10 +3,10 @@
 import threading
 
 import pytest
-from voice_script import VOICE, WAKE, Refuses, Script, Stt, Vad, Wake, spoken
+from voice_script import BUTTON, VOICE, WAKE, Refuses, Script, Stt, Vad, Wake, spoken
 
 from edgevox.core.bus import Bus
-from edgevox.core.commands import Heard, Interrupt, Transcribing
+from edgevox.core.commands import Heard, Interrupt, SpokenOver, Transcribing
 from edgevox.core.errors import EdgeVoxError
 from edgevox.core.events import AudioLevel, Cause, WakeWordHeard
 from edgevox.voice.audio import FRAME_S
@@ -108,14 +108,48 @@ def test_the_level_is_told_ten_times_a_second(listen):
     assert events[0].level == pytest.approx(0.5)
 
 
-def test_speaking_over_the_robot_interrupts_it_but_not_its_drive(listen):
-    said, _, _ = listen(Stt("wait"), *[0] * 10, *spoken(), audible=lambda: 0.1)
-
-    assert [type(command) for command in said] == [Interrupt, Transcribing, Heard]
-    assert said[0] == Interrupt("spoken over", motion=False, cause=Cause.BARGE_IN)
+BARGE_IN = Interrupt("spoken over", motion=False, cause=Cause.BARGE_IN)
 
 
-def test_the_interrupt_comes_with_the_first_frames_of_the_voice(listen):
+def test_short_speech_over_the_robot_holds_it_until_its_words_are_known(listen):
+    said, _, _ = listen(Stt("mm-hm"), *[0] * 10, *spoken(), audible=lambda: 0.1)
+
+    assert [type(command) for command in said] == [SpokenOver, Transcribing, Heard]
+    assert said[-1].over
+
+
+def test_longer_speech_over_the_robot_interrupts_it_before_its_words_are_known(listen):
+    said, _, _ = listen(Stt("wait"), *[0] * 10, *spoken(50), audible=lambda: 0.1)
+
+    assert said[:3] == [SpokenOver(), BARGE_IN, Transcribing()]
+    assert not said[-1].over
+
+
+def test_speech_beside_its_silence_holds_nothing(listen):
+    said, _, _ = listen(Stt("hello"), *[0] * 10, *spoken())
+
+    assert not said[-1].over
+    assert SpokenOver() not in said
+
+
+def test_who_holds_the_talk_button_interrupts_at_once(listen):
+    said, _, _ = listen(Stt("mm-hm"), *[BUTTON] * 20, *[0] * 30, audible=lambda: 0.1)
+
+    assert said[0] == BARGE_IN
+    assert not said[-1].over
+
+
+def test_who_is_muted_while_speaking_over_the_robot_has_interrupted_it(listen):
+    muted = threading.Event()
+
+    said, _, _ = listen(
+        Stt(), *[VOICE] * 10, muted.set, *spoken(), audible=lambda: 0.1, muted=muted.is_set
+    )
+
+    assert said == [SpokenOver(), BARGE_IN]
+
+
+def test_the_robot_is_held_with_the_first_frames_of_the_voice(listen):
     source = Script(*[0] * 10, *spoken(100))
     said_at = []
     listener = Listener(
@@ -132,7 +166,7 @@ def test_the_interrupt_comes_with_the_first_frames_of_the_voice(listen):
     assert listener.wait_over(60)
     listener.close()
 
-    assert said_at[0] == (Interrupt, 10 + ONSET_FRAMES)
+    assert said_at[0] == (SpokenOver, 10 + ONSET_FRAMES)
     assert ONSET_FRAMES * FRAME_S <= 0.2
 
 
@@ -143,9 +177,9 @@ def test_the_robots_own_voice_does_not_interrupt_it(listen):
 
 
 def test_without_the_gate_the_robots_own_voice_does(listen):
-    said, _, _ = listen(Stt("itself"), *spoken(), audible=lambda: 0.5, echo="none")
+    said, _, _ = listen(Stt("itself"), *spoken(50), audible=lambda: 0.5, echo="none")
 
-    assert said[0] == Interrupt("spoken over", motion=False, cause=Cause.BARGE_IN)
+    assert BARGE_IN in said
 
 
 def test_with_a_wake_word_only_what_follows_it_in_the_same_breath_is_taken(listen):
@@ -169,6 +203,58 @@ def test_the_wake_word_is_forgotten_after_a_while(listen):
     said, _, _ = listen(
         Stt("we had lunch"), *[VOICE] * 20, WAKE, *[0] * 300, *spoken(), wakeword=Wake()
     )
+
+    assert words(said) == []
+
+
+class Answers:
+    """Awaits an answer all the time, and takes "yes"."""
+
+    def awaits(self, began_s, ended_s):
+        return began_s < ended_s
+
+    def takes(self, text, confidence, began_s, ended_s):
+        return text == "yes"
+
+
+ADDRESSED = [*[VOICE] * 20, WAKE, *spoken()]
+
+
+@pytest.mark.parametrize(
+    ("words_then", "level", "counts"),
+    [("yes", VOICE, True), ("we had lunch", VOICE, False), ("yes", VOICE // 2 - 1, False)],
+)
+def test_an_answer_by_the_same_person_needs_no_wake_word(listen, words_then, level, counts):
+    stt = Stt("hey jarvis, go to the kitchen", words_then)
+
+    said, _, _ = listen(
+        stt,
+        *[2 * one for one in ADDRESSED[:20]],
+        *ADDRESSED[20:21],
+        *[2 * one for one in ADDRESSED[21:]],
+        *[2 * level] * 20,
+        *[0] * 60,
+        wakeword=Wake(),
+        follow_up=Answers(),
+    )
+
+    assert words(said) == ["go to the kitchen"] + [words_then] * counts
+
+
+def test_a_longer_sentence_may_follow_only_while_one_is_awaited(listen):
+    long = spoken(100, after=60)
+
+    said, _, _ = listen(
+        Stt("hey jarvis, go", "yes"), *ADDRESSED, *long, wakeword=Wake(), follow_up=Answers()
+    )
+    assert words(said) == ["go", "yes"]
+
+    said, _, _ = listen(Stt("hey jarvis, go"), *ADDRESSED, *long, wakeword=Wake())
+    assert words(said) == ["go"]
+
+
+def test_nothing_follows_before_anybody_spoke_to_it(listen):
+    said, _, _ = listen(Stt("yes"), *spoken(), wakeword=Wake(), follow_up=Answers())
 
     assert words(said) == []
 
@@ -346,7 +432,7 @@ def test_and_gets_them_if_they_were_being_found_out_already(listen, caplog):
 
 
 def test_a_word_that_cannot_be_told_costs_no_utterance(listen, caplog):
-    said, _, _ = listen(Stt("wait"), *spoken(), audible=lambda: 0.1, said=Refuses(Interrupt))
+    said, _, _ = listen(Stt("wait"), *spoken(), audible=lambda: 0.1, said=Refuses(SpokenOver))
 
     assert words(said) == ["wait"]
     assert "command_untaken" in caplog.text

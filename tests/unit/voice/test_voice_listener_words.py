@@ -1,6 +1,6 @@
 import pytest
 
-from edgevox.voice.stt.plausible import Segment, plausible, words_of
+from edgevox.voice.stt.speech_to_text import Segment, plausible, words_of
 from edgevox.voice.utterance_end import SpeechEnded
 from edgevox.voice.wake.gate import FOLLOW_S, SHORT_S, WakeDecision, WakeGate, without_phrase
 
@@ -56,7 +56,7 @@ def test_remarks_are_not_words():
 def test_who_never_said_the_wake_word_is_only_understood_when_short():
     wake_gate = WakeGate()
 
-    assert wake_gate.judge(said(10.0, 10.0 + SHORT_S - 0.1)) is WakeDecision.ONLY_STOP
+    assert wake_gate.judge(said(10.0, 10.0 + SHORT_S - 0.1)) is WakeDecision.UNADDRESSED
     assert wake_gate.judge(said(20.0, 20.0 + SHORT_S + 0.1)) is WakeDecision.IGNORE
 
 
@@ -66,7 +66,7 @@ def test_the_wake_word_counts_once():
 
     assert wake_gate.judge(said(10.0, 13.0)) is WakeDecision.TAKE
     wake_gate.take(said(10.0, 13.0))
-    assert wake_gate.judge(said(14.0, 15.0)) is WakeDecision.ONLY_STOP
+    assert wake_gate.judge(said(14.0, 15.0)) is WakeDecision.UNADDRESSED
 
 
 def test_the_wake_word_counts_for_what_an_utterance_goes_on_with():
@@ -76,7 +76,7 @@ def test_the_wake_word_counts_for_what_an_utterance_goes_on_with():
 
     assert wake_gate.judge(said(10.0, 15.0)) is WakeDecision.TAKE
     assert wake_gate.phrase_from(said(10.0, 15.0)) == 0.0
-    assert wake_gate.judge(said(13.7, 15.0)) is WakeDecision.ONLY_STOP
+    assert wake_gate.judge(said(13.7, 15.0)) is WakeDecision.UNADDRESSED
 
 
 def test_the_wake_word_alone_leaves_the_attention_on_what_comes_next():

@@ -5,6 +5,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from queue import SimpleQueue
 
+import numpy as np
 import pytest
 from guards import HUNG_S
 from speech_output_rig import (
@@ -19,9 +20,12 @@ from support.clock import HeldClock
 
 from edgevox.core.cancel import CancelToken
 from edgevox.core.speech import Spoken
+from edgevox.voice import speech_output
+from edgevox.voice.audio import Chunk
 from edgevox.voice.sentence_synthesiser import SentenceSynthesiser
 from edgevox.voice.sinks.paced import PacedSink
 from edgevox.voice.speech_output import SpeechOutput
+from edgevox.voice.spoken_answer import BACK_S, SpeakingUtterance, play_chunk
 
 ONE, TWO = "I drive to the kitchen.", "Then I come back."
 
@@ -148,6 +152,81 @@ def test_cutting_while_a_voice_works_ends_it_after_that_chunk(rig: Rig):
     assert spoken.text in {"", "I"}
     assert rig.speak("Yes.").text == "Yes."
     assert rig.voice.heard == [ONE, "Yes."]
+
+
+def held_at(rig: Rig, seconds_in: float) -> threading.Event:
+    """Hold what plays then; the event is set when it was."""
+    held = threading.Event()
+    hold = rig.speech_output.hold
+    rig.clock.at(rig.clock.now() + seconds_in, lambda: (hold(), held.set()))
+    return held
+
+
+def test_a_held_answer_is_silent_at_once_and_goes_on_where_it_was(rig: Rig):
+    began_s = rig.clock.now()
+    held = held_at(rig, seconds("I drive to") + 0.05)
+    utterance = rig.speech_output.begin(CancelToken(), lambda: None)
+    utterance.say(ONE)
+    utterance.say(TWO)
+    wait_for(held)
+    heard_s = rig.output.seconds
+    assert rig.output.end_s - began_s <= seconds("I drive to") + 0.15
+
+    rig.speech_output.release()
+
+    spoken = utterance.finish()
+    assert (spoken.text, spoken.cut) == (f"{ONE} {TWO}", False)
+    again_s = rig.output.seconds - seconds(ONE, TWO)
+    assert 0 <= again_s <= BACK_S + 0.1
+    assert heard_s < seconds("I drive to") + 0.15
+
+
+def test_a_held_answer_that_is_cut_says_no_more_and_the_next_one_is_not_held(rig: Rig):
+    token, held = CancelToken(), held_at(rig, seconds("I drive to") + 0.05)
+    utterance = rig.speech_output.begin(token, lambda: None)
+    utterance.say(ONE)
+    wait_for(held)
+
+    token.cancel("spoken over")
+
+    spoken = utterance.finish()
+    assert (spoken.text, spoken.cut) == ("I drive to", True)
+    assert rig.speak(TWO).text == TWO
+
+
+def test_nothing_is_held_where_nothing_is_said(rig: Rig):
+    rig.speech_output.hold()
+
+    assert rig.speak(ONE).text == ONE
+
+
+def test_an_answer_that_nobody_releases_goes_on_by_itself(rig: Rig, monkeypatch):
+    monkeypatch.setattr(speech_output, "HELD_S", 0.05)
+    held_at(rig, seconds("I drive to") + 0.05)
+
+    assert rig.speak(ONE).text == ONE
+
+
+def test_it_goes_on_from_a_pause_between_two_words():
+    rate_hz = 16_000
+    loud = np.full(rate_hz, 8000, np.int16)
+    loud[7_200:8_000] = 0  # a pause at 0.45 s
+    played, holds = [], iter([None] * 8 + [0.1])
+
+    class Sink:
+        def play(self, chunk, _token):
+            played.append(chunk.samples)
+            return 0.0
+
+    utterance = SpeakingUtterance(CancelToken(), lambda: None, lambda *_: None, lambda _: None)
+    line = utterance.log.begin(ONE)
+
+    play_chunk(Chunk(loud, rate_hz), line, utterance, Sink(), lambda: next(holds, None))
+
+    assert sum(map(len, played[:8])) == 12_800
+    again = np.concatenate(played[8:])
+    assert 8_000 <= loud.size - again.size + 800 <= 8_800
+    assert not again[:160].any()
 
 
 def test_an_utterance_that_is_cut_before_it_sounds_says_nothing(rig: Rig):

@@ -71,7 +71,7 @@ def test_a_bug_amid_an_utterance_ends_it_with_no_words(transcribe):
 @pytest.mark.parametrize("spotted", [True, False])
 def test_a_bug_where_only_a_stop_would_count_tells_one_that_was_spotted(transcribe, spotted):
     said, failed = transcribe(
-        TranscriptionJob(SOUND, 0.0, 1.0, only_stop=True, spotted=spotted), is_stop=breaks
+        TranscriptionJob(SOUND, 0.0, 1.0, unaddressed=True, spotted=spotted), is_stop=breaks
     )
 
     assert said == ([Heard("", 1.0, spotted=True)] if spotted else [])
@@ -89,8 +89,8 @@ def test_a_bug_while_it_may_not_be_over_yet_costs_nothing_of_it(transcribe):
 
 def test_after_a_bug_a_stop_without_the_wake_word_is_heard(transcribe):
     said, failed = transcribe(
-        TranscriptionJob(SOUND, 0.0, 1.0, only_stop=True),
-        TranscriptionJob(SOUND, 0.0, 2.0, only_stop=True),
+        TranscriptionJob(SOUND, 0.0, 1.0, unaddressed=True),
+        TranscriptionJob(SOUND, 0.0, 2.0, unaddressed=True),
         is_stop=Once(answer=True),
     )
 

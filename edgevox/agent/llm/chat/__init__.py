@@ -1,1 +1,0 @@
-"""Input and output of a language model: prompt, grammar, calls, history."""
