@@ -202,6 +202,8 @@ class Face(App[None]):
 
     def on_changed(self) -> None:
         """Draw what is new."""
+        if not self._stands:
+            return
         news = self._news = self._updates.take()
         transcript = self._base.query_one("#transcript", Lines)
         for line in news.lines:
@@ -332,7 +334,7 @@ class Face(App[None]):
 
     def _look(self) -> None:
         """Look at the robot, off the event loop: it may answer late."""
-        if self._looking or not self._base.children:  # none are left while it ends
+        if self._looking or not self._stands:
             return
         self._looking = True
         shown = self._base.query_one("#map")
@@ -350,6 +352,8 @@ class Face(App[None]):
 
     def on_seen(self, seen: Seen) -> None:
         """Draw what a thread has found."""
+        if not self._stands:
+            return
         if seen.machine:
             self._static("machine", seen.machine)
         if seen.robot:
@@ -371,6 +375,11 @@ class Face(App[None]):
             return ()
         phrases = phrasebook(self._news.language if self._news else "en")
         return [str(phrases.word(one)) or one.replace("_", " ") for one in body.places]
+
+    @property
+    def _stands(self) -> bool:
+        """Whether its widgets are there: they are taken down one by one while it ends."""
+        return bool(self.screen_stack) and len(self._base.query("#stop, #map, #machine, #log")) == 4
 
     def _static(self, name: str, content: str | Content) -> None:
         self._base.query_one(f"#{name}", Static).update(content)
