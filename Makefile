@@ -242,7 +242,7 @@ $(DONE)/page: $(DONE)/dev requirements/page/package.json requirements/page/packa
 	@npm ci --prefix $(VENV)/page --ignore-scripts --no-audit --no-fund --silent
 	@touch $@
 
-$(DONE)/msgs: $(DONE)/build scripts/build_msgs.py $(MSGS)
+$(DONE)/msgs: $(DONE)/build scripts/build_msgs.py edgevox/ros2/interface_packages.py $(MSGS)
 	@echo "Building edgevox_msgs and tf2_msgs"
 	@$(BIN)/python scripts/build_msgs.py
 	@touch $@

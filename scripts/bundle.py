@@ -24,8 +24,8 @@ from edgevox.models import Store
 
 ROOT = Path(__file__).resolve().parent.parent
 TAKEN = (  # of what git tracks
-    *(".env", "docker-compose.ros2.yml", "compose", "helm", "scenarios", "LICENSE", "CHANGELOG.md"),
-    *("docs/*.md", "docs/*.json", ":!compose/dev.yml"),
+    *(".env", "docker-compose.ros2.yml", "compose", "systemd", "helm", "scenarios", "LICENSE"),
+    *("CHANGELOG.md", "docs/*.md", "docs/*.json", ":!compose/dev.yml"),
 )
 PROGRAM = "scripts/install_bundle"
 SUMS, SIGNATURE, NAMESPACE = "SHA256SUMS", "SHA256SUMS.sig", "edgevox-bundle"

@@ -37,6 +37,8 @@ CLEAN, FOUND, BLIND = 0, 1, 3
 LOCKED = re.compile(r"^([\w.-]+)==([^\s;\\]+)", re.MULTILINE)
 UNFOLLOWED = re.compile(r"ros-|edgevox-robot$")
 """Names of packages that no list of vulnerabilities follows: ROS 2's, and this one."""
+ROS = "pkg:generic/ros/"
+"""The packages of ROS 2 in a bill of materials, likewise."""
 
 
 @dataclass(frozen=True, order=True)
@@ -121,7 +123,11 @@ def add_sbom(contents: Contents, sbom: Path | None, image: str) -> None:
     place = str(sbom or image)
     try:
         text = sbom.read_bytes() if sbom else Image.named(image).read(SBOM_IN_IMAGE)
-        components = [(one.get("purl") or "", one) for one in json.loads(text)["components"]]
+        components = [
+            (purl, one)
+            for one in json.loads(text)["components"]
+            if not (purl := one.get("purl") or "").startswith(ROS)
+        ]
         looked_at = [(package_of(purl), one) for purl, one in components]
         unnamed = [
             str(one["name"])

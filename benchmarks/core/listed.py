@@ -103,6 +103,10 @@ BENCHMARKS: Mapping[str, Benchmark] = {
     "discovery_scale": Benchmark(
         "benchmarks.wire.discovery", "how soon many agents find each other, and what it costs"
     ),
+    "recordings": Benchmark(
+        "benchmarks.wire.recordings",
+        "what of a recording is in an S3 store, through kills and failures",
+    ),
     "image": Benchmark(
         "benchmarks.wire.image", "size and start of the container's image", "measure"
     ),

@@ -11,7 +11,6 @@ from pathlib import Path
 
 from edgevox import __version__
 from edgevox.apps.flags import add_flags, given_flags
-from edgevox.apps.fleet import FLEET_PORT, serve_fleet
 from edgevox.apps.folders import console_folder
 from edgevox.apps.run_program import run_program
 from edgevox.apps.streams import show, with_streams
@@ -19,7 +18,11 @@ from edgevox.core.errors import EdgeVoxError, InvalidValue, install_extra
 from edgevox.core.files.text import one_line
 from edgevox.core.settings import Settings, load_settings
 
-SETTINGS = ("console_host", "console_port", "console_tls", "console_names", "console_folder")
+FLEET_PORT = 8440
+SETTINGS = (
+    *("console_host", "console_port", "console_tls", "console_names", "console_folder"),
+    *("console_certificate", "console_key", "console_plain"),
+)
 
 
 @with_streams("edgevox-console")
@@ -33,7 +36,7 @@ def _prepare(argv: Sequence[str]) -> Callable[[], bool]:
     arguments = parser.parse_args(argv)
     settings = load_settings(given_flags(arguments), arguments.config)
     if arguments.robots:
-        return lambda: serve_fleet(arguments.robots, arguments.robots_port, settings)
+        return lambda: _serve_fleet(arguments.robots, arguments.robots_port, settings)
     if not arguments.run:
         parser.error("a COMMAND, or --robots FILE")
     folder = console_folder(settings)
@@ -45,6 +48,18 @@ def _prepare(argv: Sequence[str]) -> Callable[[], bool]:
             raise EdgeVoxError(f"console_folder: {folder}: {error.strerror or error}") from None
 
     return run
+
+
+def _serve_fleet(robots: Path, port: int, settings: Settings) -> bool:
+    try:
+        from edgevox.apps.fleet.serve import serve_fleet
+    except ModuleNotFoundError as error:
+        raise EdgeVoxError(f"{error.name}: not here, expected {install_extra('console')}") from None
+    folder = console_folder(settings)
+    try:
+        return serve_fleet(robots, port, settings)
+    except OSError as error:
+        raise EdgeVoxError(f"console_folder: {folder}: {error.strerror or error}") from None
 
 
 def _pair(arguments: argparse.Namespace, settings: Settings, folder: Path) -> bool:
@@ -153,8 +168,7 @@ def _parser() -> argparse.ArgumentParser:
         "--robots",
         type=Path,
         metavar="FILE",
-        help="without COMMAND: serve a page, for this machine only, with the"
-        " health of these robots",
+        help="without COMMAND: serve a page with the health of these robots, to paired browsers",
     )
     parser.add_argument(
         "--robots-port", type=int, default=FLEET_PORT, metavar="PORT", help="port of that page"

@@ -16,8 +16,14 @@ DOCTOR = "doctor"
 """The first argument that asks for the doctor instead."""
 LISTEN = "listen"
 """The first argument that shows what is heard instead."""
+COMPLETION = "completion"
+"""The first argument that prints the completion for a shell instead."""
+INTERFACES = "interfaces"
+"""The first argument that builds a robot's interfaces instead."""
 STATE = "state"
 """The first argument that exports or imports what a robot keeps instead."""
+WYOMING = "wyoming"
+"""The first argument that offers hearing and voices to others instead."""
 OF_ROBOTS = FOR_BODIES | {
     "frame_prefix",
     "odom_frame",
@@ -41,10 +47,22 @@ def main(argv: Sequence[str] | None = None) -> int:
         from edgevox.apps.doctor.command import main as doctor
 
         return doctor(given[1:], f"edgevox {DOCTOR}")
+    if given[:1] == [WYOMING]:
+        from edgevox.apps.wyoming import main as wyoming
+
+        return wyoming(given[1:])
+    if given[:1] == [INTERFACES]:
+        from edgevox.apps.interfaces import main as interfaces
+
+        return interfaces(given[1:])
     if given[:1] == [STATE]:
         from edgevox.apps.state import main as state
 
         return state(given[1:])
+    if given[:1] == [COMPLETION]:
+        from edgevox.apps.completion import main as completion
+
+        return completion(given[1:])
     return _run(given)
 
 
@@ -67,9 +85,13 @@ def _run(given: Sequence[str]) -> int:
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog="edgevox",
+        usage="%(prog)s [FLAG ...] [--ros-args ...]",
         description="A voice agent to talk to. edgevox-agent is one with a robot's body;"
         " edgevox listen shows what a microphone hears; edgevox doctor checks this machine;"
-        " edgevox state moves what a robot keeps to another computer.",
+        " edgevox interfaces builds a robot's ROS 2 interfaces;"
+        " edgevox state moves what a robot keeps to another computer; edgevox wyoming offers"
+        " hearing and voices to Home Assistant; edgevox completion prints the completion for a"
+        " shell.",
         epilog="Settings come from a --config file, then EDGEVOX_* variables, then these flags.",
     )
     parser.add_argument("--version", action="version", version=__version__)

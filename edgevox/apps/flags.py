@@ -1,21 +1,71 @@
 """Command line flags made from the settings: one declaration, one help text, one validation."""
 
 import argparse
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from types import UnionType
+from types import MappingProxyType, UnionType
 from typing import Any, Literal, get_args, get_origin
 
 from pydantic.fields import FieldInfo
 
 from edgevox.core.settings import ENV_PREFIX, Settings, old_flag
 
+FIRST = (
+    "language",
+    "text_mode",
+    "audio_in",
+    "audio_out",
+    "wakeword",
+    "llm",
+    "ros2",
+    "agent_namespace",
+    "robot_namespace",
+    "robot_file",
+)
+"""The settings that most people need; their flags stand first in the help."""
+GROUPS: Mapping[str, tuple[str, ...]] = MappingProxyType(
+    {
+        "conversation": ("voice", "muted", "confirm", "simple_ui", "follow_up_s"),
+        "robot": (
+            *("robot_", "world", "model_source", "mjcf", "seed", "render", "max_"),
+            *("locations", "places", "pictures", "skills", "plugins", "policy"),
+        ),
+        "ROS 2": ("ros2", "agent_", "odom_frame", "frame_prefix", "publish_clock"),
+        "hearing and speaking": (
+            *("audio_", "wakeword", "keep_audio", "stop_spotter", "echo", "stt_", "tts_"),
+        ),
+        "language model": ("llm",),
+        "operation": ("health_", "metrics_", "log_", "leave_s", "drain_s"),
+        "console": ("console",),
+    }
+)
+"""The groups of the other flags in the help, by how their settings begin."""
+
+
+def group_of(name: str) -> str:
+    """The group of a setting's flag. Raises `KeyError` for a setting that is in none."""
+    if name in FIRST:
+        return "first of all"
+    for group, starts in GROUPS.items():
+        if name.startswith(starts):
+            return group
+    raise KeyError(name)
+
 
 def add_flags(parser: argparse.ArgumentParser, fields: Sequence[str] | None = None) -> None:
-    """A flag for every setting named in `fields`, all of them by default, and ``--config``."""
+    """A flag for every setting named in `fields`, all of them by default, and ``--config``.
+
+    More than a few stand in groups, the first of all first.
+    """
     parser.add_argument("--config", type=Path, metavar="FILE", help="TOML file with settings")
-    for name in fields or Settings.model_fields:
-        _add(parser, name, Settings.model_fields[name])
+    names = sorted(fields or Settings.model_fields, key=lambda name: name not in FIRST)
+    groups: dict[str, argparse._ActionsContainer] = {}
+    for name in names:
+        title = group_of(name)
+        if title not in groups:
+            few = len(names) <= len(FIRST)
+            groups[title] = parser if few else parser.add_argument_group(title)
+        _add(groups[title], name, Settings.model_fields[name])
 
 
 def given_flags(arguments: argparse.Namespace) -> dict[str, Any]:
@@ -23,7 +73,7 @@ def given_flags(arguments: argparse.Namespace) -> dict[str, Any]:
     return {name: value for name, value in vars(arguments).items() if name in Settings.model_fields}
 
 
-def _add(parser: argparse.ArgumentParser, name: str, info: FieldInfo) -> None:
+def _add(parser: argparse._ActionsContainer, name: str, info: FieldInfo) -> None:
     names = _flag_names(name, info)
     help_text = f"{info.description} ({ENV_PREFIX}{name.upper()})"
     if info.annotation is bool:

@@ -13,7 +13,6 @@ import json
 import os
 import re
 import signal
-import tempfile
 import time
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
@@ -32,9 +31,10 @@ FROZEN_S = 15.0
 """An agent whose `/live` does not pass for this long is frozen."""
 AGENT = re.compile(r"^Name:\t(edgevox|edgevox-agent)$.*^PPid:\t1$", re.MULTILINE | re.DOTALL)
 """What /proc tells of the program of a container, and not of one that somebody's shell started."""
-FROZEN_NOTE = Path(tempfile.gettempdir(), "edgevox-health-frozen")
-"""Since when it does not pass, by the machine's monotonic clock; empty while it does, and not there
-before it has passed once."""
+FROZEN_NOTE = Path("/tmp/edgevox-health-frozen")  # noqa: S108 - a container's own
+"""Not there before the agent has passed once. Its time is when the agent passed no more, by the
+machine's monotonic clock, and 0 while it passes. It is empty, since a full /tmp has room for that;
+`tempfile.gettempdir` would fail there."""
 DRAIN = "/drain"
 LOOK_S = 0.2
 """Seconds between two looks at a drain."""
@@ -49,7 +49,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     if not 0 < arguments.port < 1 << 16:
         show(f"edgevox-health: {PORT} or --port: a port from 1 to 65535", error=True)
         return USAGE_ERROR
-    look = _drain if arguments.path == DRAIN else _ask
+    look = _drain if arguments.path == DRAIN else ask
     host = reachable(arguments.host)
     try:
         timeout_s = FROZEN_TIMEOUT_S if arguments.end_frozen else TIMEOUT_S
@@ -67,7 +67,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 def _lives(host: str, port: int) -> bool:
     try:
-        return _ask(host, port, "/live", timeout_s=FROZEN_TIMEOUT_S)[0] == http.client.OK
+        return ask(host, port, "/live", timeout_s=FROZEN_TIMEOUT_S)[0] == http.client.OK
     except (OSError, http.client.HTTPException):
         return False
 
@@ -75,18 +75,20 @@ def _lives(host: str, port: int) -> bool:
 def note_frozen(lives: bool, now_s: float) -> None:
     """Note since when the agent is frozen; kill it if that is too long ago."""
     try:
-        since = FROZEN_NOTE.read_text("utf-8")
+        since_s = FROZEN_NOTE.stat().st_mtime
     except OSError:
-        since = None
-    if lives and since != "":
-        FROZEN_NOTE.write_text("", "utf-8")
-    elif not lives and since == "":
-        FROZEN_NOTE.write_text(str(now_s), "utf-8")
-    elif not lives and since and now_s - float(since) >= FROZEN_S:
-        FROZEN_NOTE.unlink()
-        show(f"edgevox-health: frozen for {FROZEN_S:g} s; killing it", error=True)
-        for agent in agents_of_init():
-            os.kill(agent, signal.SIGKILL)
+        since_s = None
+    with suppress(OSError):  # without a note nothing is killed
+        if lives and since_s != 0:
+            FROZEN_NOTE.touch()
+            os.utime(FROZEN_NOTE, (0, 0))
+        elif not lives and since_s == 0:
+            os.utime(FROZEN_NOTE, (now_s, now_s))
+        elif not lives and since_s and now_s - since_s >= FROZEN_S:
+            FROZEN_NOTE.unlink()
+            for agent in agents_of_init():
+                os.kill(agent, signal.SIGKILL)
+            show(f"edgevox-health: frozen for {FROZEN_S:g} s; killed it", error=True)
 
 
 def agents_of_init(proc: Path = Path("/proc")) -> Iterator[int]:
@@ -145,11 +147,11 @@ def _parser() -> argparse.ArgumentParser:
 
 def _drain(host: str, port: int, path: str, *, timeout_s: float) -> tuple[int, str]:
     """Begin it, and ask until it is over or later than it said. Raises where the agent has gone."""
-    status, text = _ask(host, port, path, "PUT", timeout_s=timeout_s)
+    status, text = ask(host, port, path, "PUT", timeout_s=timeout_s)
     until_s = time.monotonic() + _within_s(text) + MARGIN_S
     while status == http.client.ACCEPTED and time.monotonic() < until_s:
         time.sleep(LOOK_S)
-        status, text = _ask(host, port, path, timeout_s=timeout_s)
+        status, text = ask(host, port, path, timeout_s=timeout_s)
     return status, text
 
 
@@ -160,14 +162,21 @@ def _within_s(text: str) -> float:
         return 0.0
 
 
-def _ask(
-    host: str, port: int, path: str, method: str = "GET", *, timeout_s: float
+def ask(
+    host: str,
+    port: int,
+    path: str,
+    method: str = "GET",
+    *,
+    timeout_s: float,
+    most_bytes: int = 1 << 16,
 ) -> tuple[int, str]:
+    """A program's answer: its HTTP status, and what it says. Raises `OSError`, `HTTPException`."""
     connection = http.client.HTTPConnection(host, port, timeout=timeout_s)
     try:
         connection.request(method, path)
         answer = connection.getresponse()
-        return answer.status, answer.read(1 << 16).decode("utf-8", "replace")
+        return answer.status, answer.read(most_bytes).decode("utf-8", "replace")
     finally:
         connection.close()
 

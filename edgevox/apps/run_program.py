@@ -171,8 +171,9 @@ def _run(name: str, prepare: Callable[[], Callable[[], bool]]) -> int:
 
 def _fail(name: str, error: EdgeVoxError, code: int) -> int:
     """Say it to whoever reads: a person, or a program that takes only JSON."""
-    if writes_json():
-        log.critical("program_failed", program=name, reason=str(error))
-    else:
-        show(f"{name}: {error}", error=True)
+    for one in error.problems if isinstance(error, InvalidValue) else (error,):
+        if writes_json():
+            log.critical("program_failed", program=name, reason=str(one))
+        else:
+            show(f"{name}: {one}", error=True)
     return code

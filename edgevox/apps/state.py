@@ -12,7 +12,7 @@ import os
 import sys
 import tarfile
 import time
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path, PurePosixPath
 from typing import BinaryIO
 
@@ -50,17 +50,38 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 def written(folders: Mapping[str, Path], without: Path) -> bytes:
     """The archive, as bytes; nothing below `without`. Raises `OSError`."""
-    archive = io.BytesIO()
     about = {
         "format": FORMAT,
         "version": __version__,
         "made": time.strftime("%FT%TZ", time.gmtime()),
     }
+    files = ((name, file.read_bytes()) for name, file in _files(folders, without))
+    return tar_of([(ABOUT, json.dumps(about).encode()), *files])
+
+
+def tar_of(files: Iterable[tuple[str, bytes]]) -> bytes:
+    """An archive of these files by name, which only its owner may read."""
+    archive = io.BytesIO()
     with tarfile.open(fileobj=archive, mode="w") as tar:
-        _add(tar, ABOUT, json.dumps(about).encode())
-        for name, file in _files(folders, without):
-            _add(tar, name, file.read_bytes())
+        for name, data in files:
+            member = tarfile.TarInfo(name)
+            member.size, member.mode, member.mtime = len(data), PRIVATE, int(time.time())
+            tar.addfile(member, io.BytesIO(data))
     return archive.getvalue()
+
+
+def write_archive(archive: bytes, file: str) -> bool:
+    """Write it to a new file that only its owner may read, or to standard output.
+
+    Returns whether it is a file. Raises `OSError`.
+    """
+    if file == STREAM:
+        sys.stdout.buffer.write(archive)
+        return False
+    descriptor = os.open(file, os.O_WRONLY | os.O_CREAT | os.O_EXCL, PRIVATE)
+    with os.fdopen(descriptor, "wb") as output:
+        output.write(archive)
+    return True
 
 
 def read(archive: BinaryIO) -> dict[str, str]:
@@ -108,20 +129,9 @@ def _files(folders: Mapping[str, Path], without: Path) -> Iterator[tuple[str, Pa
                     yield f"{part}/{file.relative_to(top)}", file
 
 
-def _add(tar: tarfile.TarFile, name: str, data: bytes) -> None:
-    member = tarfile.TarInfo(name)
-    member.size, member.mode = len(data), PRIVATE
-    tar.addfile(member, io.BytesIO(data))
-
-
 def _export(archive: bytes, file: str) -> None:
-    if file == STREAM:
-        sys.stdout.buffer.write(archive)
-        return
-    descriptor = os.open(file, os.O_WRONLY | os.O_CREAT | os.O_EXCL, PRIVATE)
-    with os.fdopen(descriptor, "wb") as output:
-        output.write(archive)
-    show(f"{file}: it contains keys, so keep it as you keep a password")
+    if write_archive(archive, file):
+        show(f"{file}: it contains keys, so keep it as you keep a password")
 
 
 def _import(folders: Mapping[str, Path], file: str, *, replace: bool) -> None:

@@ -1,78 +1,35 @@
-"""The console's server: a thread with its own loop, from `start` to `close`.
+"""The console's server: a page server with a robot behind it.
 
 `open_console` makes the one that the settings want, with its address and its encryption. `sample`
-takes the robot's state as often as pages want it, and never while no page looks. `Liveness` tells
-whether the server still answers: its thread, its loop, and the task that lets connections in.
+takes the robot's state as often as pages want it, and never while no page looks.
 """
 
 import asyncio
 import socket
-import threading
-from collections.abc import Awaitable, Callable
-from contextlib import suppress
+from collections.abc import Awaitable, Callable, Sequence
 from ipaddress import ip_address
 from pathlib import Path
-
-from aiohttp import web
 
 from edgevox.console.certificates import local_names, own_tls
 from edgevox.console.context import ConsoleContext, ConsoleRobot
 from edgevox.console.door import Door
-from edgevox.console.limits import BadRequests, ServerLog
 from edgevox.console.opened import Opened
+from edgevox.console.page_files import PageFiles
 from edgevox.console.page_hub import PageHub
-from edgevox.console.sessions import Code, Pairing, Role, Sessions
+from edgevox.console.page_server import Job, PageServer, listen
+from edgevox.console.sessions import Code, Role
 from edgevox.console.site import Site
-from edgevox.console.tls import CurrentTls, Tls, console_url
+from edgevox.console.tls import Tls
 from edgevox.core.clock import Clock, SystemClock
 from edgevox.core.errors import InvalidValue
 from edgevox.core.files.state_files import StateFiles
 from edgevox.core.log import get_logger, worth_a_line
 from edgevox.core.settings import Settings
-from edgevox.core.status import STALL_S, Finding, HealthCheck, Level, Status, lives
+from edgevox.core.status import Finding, HealthCheck, Level, Status
 
 log = get_logger(__name__)
 
-BEAT_S = 1.0
-
-
-class Liveness:
-    """`why_not` may be asked from any thread, all else belongs to the loop's."""
-
-    def __init__(self, clock: Clock, is_alive: Callable[[], bool]) -> None:
-        self._clock = clock
-        self._thread = lives(is_alive)
-        self._door: Door | None = None
-        self._letting_in: asyncio.Task[None] | None = None
-        self._beat_s: float | None = None
-
-    def watch(self, door: Door, letting_in: "asyncio.Task[None]") -> None:
-        """Watch this task from now on, which lets connections in by this door."""
-        self._door, self._letting_in = door, letting_in
-
-    async def beat(self) -> None:
-        """Say that the loop goes round, until it is cancelled."""
-        while True:
-            self._beat_s = self._clock.now()
-            await asyncio.sleep(BEAT_S)
-
-    def why_not(self) -> str:
-        """Return the reason why new connections are not answered; empty if they are."""
-        if ended := self._thread():
-            return ended
-        if self._letting_in and self._letting_in.done():
-            return "nobody is let in any more"
-        if self._beat_s is not None and self._clock.now() - self._beat_s > STALL_S:
-            return "its loop stands still"
-        shut = "" if self._door is None else self._door.shut
-        return f"nobody is let in: {shut}" if shut else ""
-
-
 NAME = "console"
-MOST_KNOCKING = 128
-RENEW_LOOK_S = 60.0
-"""Seconds between checks whether its certificate ends soon, or was replaced. The clock of a robot
-without a battery may wake up in another year."""
 
 
 class ConsoleServer:
@@ -103,60 +60,54 @@ class ConsoleServer:
         clock: Clock | None = None,
         state: StateFiles | None = None,
     ) -> None:
-        self._tls = tls
-        self._host = host
-        self._names = names
-        self._opened = opened
-        self._current_tls = CurrentTls(tls) if tls else None
-        self._socket = _listen(host, port)
-        self._state = state or StateFiles()
-        self._codeless = ""
-        self.sessions = Sessions(folder, state=self._state)
-        self.pairing = Pairing(folder, state=self._state)
         clock = clock or SystemClock()
-        self.bad = BadRequests()
-        self._hub = PageHub(context, self.sessions, clock)
-        authority = tls.authority.read_bytes() if tls and tls.authority else None
-        self._site = Site(self._hub, self.pairing, clock, tls is not None, self.bad, authority)
-        self._loop = asyncio.new_event_loop()
-        self._closed = asyncio.Event()
-        self._started = threading.Event()
-        self._thread = threading.Thread(target=self._serve, name="console")
-        self._liveness = Liveness(clock, self._thread.is_alive)
+        self._opened = opened
+        self._server = PageServer(
+            folder,
+            host,
+            port,
+            name=NAME,
+            setting="console_port",
+            files=PageFiles(),
+            tls=tls,
+            names=names,
+            clock=clock,
+            state=state,
+        )
+        access = self._server.access
+        self.sessions, self.pairing, self.bad = access.sessions, access.pairing, access.bad
+        self._hub = PageHub(context, self.sessions, clock, self._server.workers)
+        access.revoked = self._hub.tick
+        self._server.serve(Site(self._hub, access).application, self._open, self._hub.close)
 
     @property
     def port(self) -> int:
         """The port that it listens on: the machine's choice if it was made with 0."""
-        return int(self._socket.getsockname()[1])
+        return self._server.port
 
     @property
     def url(self) -> str:
         """The page's URL, for a browser on this machine or one that knows the host by name."""
-        return console_url(self._host, self.port, self._tls is not None, self._names)
+        return self._server.url
 
     def offer_code(self, role: Role = Role.OPERATOR) -> tuple[Code, str]:
         """A new pairing code, and the address that pairs with it. Raises `OSError`."""
-        try:
-            code = self.pairing.offer(role)
-        except OSError as error:
-            self._codeless = f"no pairing code could be written ({error.strerror or error})"
-            raise
-        self._codeless = ""
-        return code, f"{self.url}/#pair={code.code}"
+        return self._server.offer_code(role)
 
     def start(self) -> None:
         """Answer, from when this returns."""
-        self._thread.start()
-        self._started.wait()
+        self._server.start()
 
     def close(self) -> None:
         """Answer no more; what is driven from a page is halted."""
-        if self._thread.is_alive():
-            self._loop.call_soon_threadsafe(self._closed.set)
-            self._thread.join()
-        self._hub.workers.shutdown(cancel_futures=True)
-        self._loop.close()
-        self._socket.close()
+        self._server.close()
+
+    def _open(self, loop: asyncio.AbstractEventLoop) -> Sequence[Job]:
+        self._hub.open(loop)
+        jobs, door = [sample(self._hub)], self._server.access.door
+        if self._opened and door is not None:
+            jobs.append(_follow(self._hub, door, self._opened, self.port))
+        return jobs
 
     # As a component
 
@@ -168,84 +119,23 @@ class ConsoleServer:
     @property
     def checks(self) -> tuple[HealthCheck, ...]:
         """Its health check. A console that answers no longer is no reason to restart the robot."""
-        return (HealthCheck(NAME, self._liveness.why_not, vital=False),)
+        return (HealthCheck(NAME, lambda: self._server.why_not, vital=False),)
 
     def status(self) -> Status:
         """Return the numbers of pages and connections, and the address."""
-        dead, worse = self._liveness.why_not(), (self._codeless, self._state.fault)
+        dead, worse = self._server.why_not, self._server.faults
         return Status.judged(
             NAME,
             [
                 *([Finding(Level.ERROR, dead)] if dead else ()),
-                *(Finding(Level.WARN, one) for one in worse if one),
+                *(Finding(Level.WARN, one) for one in worse),
             ],
             url=self.url,
             pages=len(self._hub.pages),
-            connections=len(self._site.door or ()),
+            connections=len(self._server.access.door or ()),
             commander=self._hub.commander,
             bad_requests=self.bad.total,
         )
-
-    # On its own thread
-
-    def _serve(self) -> None:
-        asyncio.set_event_loop(self._loop)
-        self._loop.set_exception_handler(self.bad.loop_failed)
-        try:
-            self._loop.run_until_complete(self._answer_until_closed())
-        finally:
-            self._started.set()
-
-    async def _answer_until_closed(self) -> None:
-        runner = web.AppRunner(
-            self._site.application(),
-            handle_signals=False,
-            access_log=None,
-            logger=ServerLog(self.bad),
-            keepalive_timeout=15.0,
-            shutdown_timeout=1.0,
-            max_line_size=4096,
-            max_field_size=8192,
-        )
-        await runner.setup()
-        assert runner.server is not None  # noqa: S101 - setup has made it
-        door = self._site.door = Door(
-            self._socket, runner.server, tls=self._current_tls, bad=self.bad
-        )
-        self._hub.open(self._loop)
-        work = [door.serve(), sample(self._hub), self._liveness.beat()]
-        if self._opened:
-            work.append(_follow(self._hub, door, self._opened, self.port))
-        if self._current_tls:
-            work.append(_renew(self._hub, self._current_tls))
-        tasks = [asyncio.create_task(one) for one in work]
-        self._liveness.watch(door, tasks[0])
-        self._started.set()
-        try:
-            await self._closed.wait()
-        finally:
-            self._hub.close()
-            door.close()
-            for task in tasks:
-                task.cancel()
-            await asyncio.gather(*tasks, return_exceptions=True)
-            with suppress(TimeoutError):
-                await asyncio.wait_for(runner.cleanup(), 3.0)
-
-
-async def _renew(hub: PageHub, tls: CurrentTls) -> None:
-    """Have the certificate be one that is good, until it is cancelled."""
-    failed = 0
-    while True:
-        await asyncio.sleep(RENEW_LOOK_S)
-        try:
-            if await hub.work(tls.look):
-                log.info("console_certificate_taken")
-            failed = 0
-        except (InvalidValue, OSError) as error:
-            failed += 1
-            if worth_a_line(failed):
-                log.warning("console_certificate_kept", reason=str(error), count=failed)
 
 
 OPENED_LOOK_S = 0.5
@@ -266,7 +156,7 @@ async def _follow(hub: PageHub, door: Door, opened: Opened, port: int) -> None:
                 known, letting_in = "", None
                 try:
                     if address:
-                        listening = await hub.work(_listen, address, port)
+                        listening = await hub.work(listen, address, port, "console_port")
                         letting_in = asyncio.create_task(_let_in(door, listening))
                     known, failed = address, 0
                     log.info("console_opened", address=address, open=bool(address))
@@ -288,21 +178,6 @@ async def _end(letting_in: "asyncio.Task[None] | None") -> None:
     if letting_in:
         letting_in.cancel()
         await asyncio.gather(letting_in, return_exceptions=True)
-
-
-def _listen(host: str, port: int) -> socket.socket:
-    try:
-        family = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)[0][0]
-        listening = socket.create_server((host, port), family=family, backlog=MOST_KNOCKING)
-    except OSError as error:
-        reason = error.strerror or str(error)
-        raise InvalidValue(
-            "console_port",
-            f"{host}:{port}",
-            f"an address and a free port of this machine ({reason})",
-        ) from None
-    listening.setblocking(False)
-    return listening
 
 
 LIVE_S = 1 / 15

@@ -57,6 +57,8 @@ class BadRequest(StrEnum):
     """A session that does not exist."""
     ORIGIN = "origin"
     """Another site's page asks."""
+    HOST = "host"
+    """A name that is not the page's."""
     CODE = "code"
     """A wrong pairing code."""
     MESSAGE = "message"

@@ -123,13 +123,19 @@ class OpenPage(Protocol):
 class PageHub:
     """Made and used on the loop's thread, from `open` to `close`."""
 
-    def __init__(self, context: ConsoleContext, sessions: Sessions, clock: Clock) -> None:
+    def __init__(
+        self,
+        context: ConsoleContext,
+        sessions: Sessions,
+        clock: Clock,
+        workers: ThreadPoolExecutor,
+    ) -> None:
         self.context = context
         self.sessions = sessions
         self.lease = Lease(clock)
         self.pages: list[OpenPage] = []
         self.last_turns = LastTurns()
-        self.workers = ThreadPoolExecutor(6, thread_name_prefix="console-worker")
+        self.workers = workers
         self.driving: Driving | None = None
         self._thread = 0
         self._loop: asyncio.AbstractEventLoop | None = None

@@ -4,6 +4,7 @@ The tree, with the main subclasses and the packages that define them:
 
 - `EdgeVoxError`
     - `InvalidValue` (core): a field holds a wrong value
+        - `InvalidFile` (core): several fields of a file do
         - `WrongArgument` (agent), `UnknownModel` (models)
     - `SkillFailed` (agent): a skill cannot be done; its reason may be said aloud
         - `Denied` (agent): the policy forbids it
@@ -23,6 +24,7 @@ Some exceptions are no `EdgeVoxError`; their callers catch them by name: `Cancel
 """
 
 import math
+from collections.abc import Sequence
 from enum import StrEnum
 
 from edgevox.core.files.text import one_line
@@ -58,6 +60,24 @@ class InvalidValue(EdgeVoxError):
         self.value = value
         self.expected = expected
         super().__init__(f"{one_line(field)}: got {shorten(value)}, expected {one_line(expected)}")
+
+    @property
+    def problems(self) -> "Sequence[InvalidValue]":
+        """All that is wrong, each for a line of its own."""
+        return (self,)
+
+
+class InvalidFile(InvalidValue):
+    """Several fields of a file hold wrong values. As one error, it is the first of them."""
+
+    def __init__(self, problems: Sequence[InvalidValue]) -> None:
+        first = problems[0]
+        super().__init__(first.field, first.value, first.expected, first.reason)
+        self._problems = tuple(problems)
+
+    @property
+    def problems(self) -> Sequence[InvalidValue]:
+        return self._problems
 
 
 def finite(field: str, value: float) -> float:

@@ -29,6 +29,8 @@ class Reason:
     """Values for the sentence: names, `Named`, tuples of names, spoken numbers, other reasons."""
     sentences: Mapping[str, str] = field(default_factory=dict)
     """Own sentences by language code, for a code that no phrasebook knows."""
+    is_sentence: bool = False
+    """True if it says by itself that something failed: nothing stands before it."""
 
     def __bool__(self) -> bool:
         return bool(self.text)

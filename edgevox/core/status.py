@@ -86,8 +86,10 @@ class ComponentName(StrEnum):
     PRESENCE = "presence"
     INTERLOCK = "interlock"
     CONSOLE = "console"
+    RECORDINGS = "recordings"
     POLICY = "policy"
     DISK = "disk"
+    CLOCK = "clock"
     PROCESS = "process"
 
 

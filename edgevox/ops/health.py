@@ -5,17 +5,27 @@ means alive, everything loaded and started, and nothing missing that it was aske
 
 Serves health over HTTP, as container engines and clusters ask for it: GET /live, GET /ready.
 
+GET /status tells more to whoever watches many robots: the version, the image, and the status of
+each component.
+
 PUT /drain, from this machine only, begins a drain; GET /drain tells how far it is.
 """
 
+import os
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from http import HTTPStatus
 
+from edgevox import __version__
 from edgevox.core.agent_events import DrainStatus
 from edgevox.core.motion.drain import Drain
 from edgevox.core.status import Components, HealthCheck
 from edgevox.ops.http_server import HttpServer, Page, json_page
+
+IMAGE = "EDGEVOX_IMAGE"
+"""The variable by which a container is told of what image it is."""
+_TOLD_WHOLE = ("sim", "interlock", "recordings", "disk", "clock", "recorder")
+"""The components of which /status tells the values: whoever reaches the port may read them."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,6 +82,22 @@ class Health:
         vital_first = sorted(self._checks(), key=lambda one: not one.vital)
         return Report({one.name: one.said() for one in vital_first})
 
+    def status(self) -> Mapping[str, object]:
+        """What it is and how each component is, JSON-ready. May hang where a component does."""
+        return {
+            "version": __version__,
+            "image": os.environ.get(IMAGE, ""),
+            "components": [
+                {
+                    "name": one.name,
+                    "level": int(one.level),
+                    "message": one.message,
+                    "values": dict(one.values) if one.name in _TOLD_WHOLE else {},
+                }
+                for one in self._components.statuses()
+            ],
+        }
+
     def _checks(self) -> list[HealthCheck]:
         return [*self._own, *self._components.checks]
 
@@ -95,7 +121,13 @@ class HealthServer(HttpServer):
         }
         orders = {"/drain": lambda: _begin_drain(health)}
         super().__init__(
-            pages, host, port, setting="health_port", name="edgevox-health", orders=orders
+            pages,
+            host,
+            port,
+            setting="health_port",
+            name="edgevox-health",
+            orders=orders,
+            slow_pages={"/status": lambda: json_page(health.status())},
         )
 
 

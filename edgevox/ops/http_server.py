@@ -12,6 +12,7 @@ import socket
 import threading
 from collections import Counter
 from collections.abc import Callable, Mapping
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 from dataclasses import dataclass
 from http import HTTPStatus
@@ -48,9 +49,10 @@ class HttpServer:
 
     `pages` gives by path what makes a page, on that thread: quickly. Who is slow to ask or to hear
     is hung up on, at once where others come: whoever asks is answered, however many connections
-    somebody holds. `orders` are the same for PUT, from this machine only: a page in a browser may
-    not send PUT elsewhere unasked. Raises `InvalidValue`, naming the setting that gave the port,
-    where it cannot listen.
+    somebody holds. `slow_pages` are made on a thread of their own: one that hangs keeps none of the
+    others from being answered. `orders` are for PUT, from this machine only: a page in a browser
+    may not send PUT elsewhere unasked. Raises `InvalidValue`, naming the setting that gave the
+    port, where it cannot listen.
     """
 
     def __init__(
@@ -62,8 +64,11 @@ class HttpServer:
         setting: str,
         name: str,
         orders: Mapping[str, Callable[[], Page]] | None = None,
+        slow_pages: Mapping[str, Callable[[], Page]] | None = None,
     ) -> None:
         self._pages = dict(pages)
+        self._slow_pages = dict(slow_pages or {})
+        self._slow = ThreadPoolExecutor(1, thread_name_prefix=f"{name}-slow")
         self._orders = dict(orders or {})
         self._socket = _listen(host, port, setting)
         self._loop = asyncio.new_event_loop()
@@ -84,6 +89,7 @@ class HttpServer:
         if self._thread.is_alive():
             self._loop.call_soon_threadsafe(self._closed.set)
             self._thread.join()
+        self._slow.shutdown(wait=False, cancel_futures=True)
         self._loop.close()
         self._socket.close()
 
@@ -129,7 +135,11 @@ class HttpServer:
         head = await reader.readuntil(b"\r\n\r\n")
         method, _, rest = head.split(b"\r\n", 1)[0].decode("latin-1").partition(" ")
         peer = str((writer.get_extra_info("peername") or ("",))[0])
-        page = self._page(method, rest.partition(" ")[0].partition("?")[0], peer)
+        path = rest.partition(" ")[0].partition("?")[0]
+        if path in self._slow_pages and method in ("GET", "HEAD"):
+            page = await self._loop.run_in_executor(self._slow, self._slow_pages[path])
+        else:
+            page = self._page(method, path, peer)
         allow = "Allow: GET, HEAD\r\n" if page.status is HTTPStatus.METHOD_NOT_ALLOWED else ""
         writer.write(
             f"HTTP/1.1 {page.status.value} {page.status.phrase}\r\n"
@@ -145,7 +155,8 @@ class HttpServer:
         if method not in ("GET", "HEAD"):
             return json_page({"error": "only GET and HEAD"}, HTTPStatus.METHOD_NOT_ALLOWED)
         if path not in self._pages:
-            return json_page({"error": "only " + " and ".join(self._pages)}, HTTPStatus.NOT_FOUND)
+            known = " and ".join([*self._pages, *self._slow_pages])
+            return json_page({"error": f"only {known}"}, HTTPStatus.NOT_FOUND)
         return self._pages[path]()
 
 

@@ -1,9 +1,17 @@
-"""The skill `battery`, of any body that has one."""
+"""The charge of any body that has a battery, and the skill that tells it."""
 
 import math
 
-from edgevox.agent.skills import GoalHandle, Result, Skill, skill
-from edgevox.robots.capabilities import HasBattery, KnowsPowerDraw
+from edgevox.agent.skills import GoalHandle, Result, Skill, SkillFailed, skill
+from edgevox.robots.capabilities import Body, HasBattery, KnowsPowerDraw
+
+
+def charge_of(body: Body) -> float | None:
+    """Return the charge, from 0 to 1; None without a battery, or while it is not known."""
+    try:
+        return body.battery() if isinstance(body, HasBattery) else None
+    except SkillFailed:
+        return None
 
 
 def battery_skill(body: HasBattery) -> Skill:

@@ -6,7 +6,7 @@ called from any thread.
 """
 
 from collections.abc import Callable, Collection, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import isfinite
 from typing import Any, Literal, Protocol, runtime_checkable
 
@@ -15,9 +15,52 @@ from numpy.typing import NDArray
 
 from edgevox.agent.skills import Skill
 from edgevox.core.cancel import CancelToken
-from edgevox.core.transforms import IDENTITY, ORIGIN, Pose2D, Pose3D
-from edgevox.robots.occupancy_map import OccupancyMap
+from edgevox.core.transforms import IDENTITY, ORIGIN, Pose2D, Pose3D, to_map
 from edgevox.robots.places.memory import PlaceMemory
+from edgevox.robots.shapes import Point
+
+UNKNOWN, FREE, OCCUPIED = 0, 1, 2
+"""The larger one wins where several cells become one: no wall is lost."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class OccupancyMap:
+    """A grid in the map frame."""
+
+    cells: NDArray[np.uint8]
+    """Shape (rows, columns), row 0 at the lower edge."""
+    resolution_m: float
+    """The width of a cell."""
+    origin: Pose2D
+    """The lower left corner of cell (0, 0), map frame; rows run along its x axis."""
+
+    def cropped(self) -> "OccupancyMap":
+        """Return the known part; a map without cells if nothing is known."""
+        rows = np.flatnonzero(self.cells.any(axis=1))
+        columns = np.flatnonzero(self.cells.any(axis=0))
+        if not len(rows):
+            return replace(self, cells=self.cells[:0, :0])
+        cells = self.cells[rows[0] : rows[-1] + 1, columns[0] : columns[-1] + 1]
+        corner = int(columns[0]) * self.resolution_m, int(rows[0]) * self.resolution_m
+        origin = Pose2D(*to_map(corner, self.origin), self.origin.yaw_rad)
+        return replace(self, cells=cells, origin=origin)
+
+    def reduced(self, most_cells: int) -> "OccupancyMap":
+        """Return a map with at most this many cells along each side, merging cells as needed."""
+        every = -(-max(self.cells.shape) // most_cells)
+        if every <= 1:
+            return self
+        rows, columns = self.cells.shape
+        padded = np.pad(self.cells, ((0, -rows % every), (0, -columns % every)))
+        high, wide = padded.shape[0] // every, padded.shape[1] // every
+        cells = padded.reshape(high, every, wide, every).max(axis=(1, 3))
+        return replace(self, cells=cells, resolution_m=self.resolution_m * every)
+
+    def corners(self) -> list[Point]:
+        """Return the four corners, metres, map frame."""
+        high, wide = (cells * self.resolution_m for cells in self.cells.shape)
+        ends = ((0.0, 0.0), (wide, 0.0), (wide, high), (0.0, high))
+        return [to_map(end, self.origin) for end in ends]
 
 
 @dataclass(frozen=True, slots=True)
@@ -293,7 +336,7 @@ class HasBattery(Protocol):
     """Runs on a charge that gets less."""
 
     def battery(self) -> float:
-        """Charge left, 0 to 1."""
+        """Charge left, 0 to 1. Raises `SkillFailed` while a robot does not tell it."""
 
 
 @runtime_checkable
@@ -310,6 +353,19 @@ class MeasuresWays(Protocol):
 
     def way_m(self, x_m: float, y_m: float) -> float:
         """Metres of the way to a point, from here. Raises `SkillFailed` where no way leads."""
+
+
+@runtime_checkable
+class FromFile(Protocol):
+    """Is described by a file of its owner."""
+
+    @property
+    def skills_off(self) -> Mapping[str, str]:
+        """The skills of the file that it cannot do, each with the reason."""
+
+    @property
+    def file_sentences(self) -> Mapping[tuple[str, str, str], str]:
+        """The skill, the language and the template of each sentence; and its place in the file."""
 
 
 @runtime_checkable

@@ -16,6 +16,7 @@ from edgevox.agent.known import Known, WayLeft, about_s, no_place
 from edgevox.agent.skills import Call, GoalHandle, OneOf, Result, Skill, SkillFailed, skill
 from edgevox.agent.skills.skill import TO_POINT
 from edgevox.core.transforms import Pose2D
+from edgevox.robots.battery import charge_of
 from edgevox.robots.capabilities import (
     Body,
     HasBattery,
@@ -68,9 +69,9 @@ def known_of(body: Body) -> Known:
     )
 
 
-def _charge(body: HasBattery) -> float | None:
+def _charge(body: Body) -> float | None:
     stalled_s = body.stalled_s if isinstance(body, TellsStalls) else 0.0
-    return body.battery() if stalled_s < _STALLED_S else None
+    return charge_of(body) if stalled_s < _STALLED_S else None
 
 
 def _way_back(body: Body) -> Call | None:

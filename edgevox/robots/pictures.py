@@ -1,6 +1,7 @@
-"""Pictures that a robot takes when it is asked to: the skill, and the folder that keeps them."""
+"""Pictures of a robot and by it, as PNG files; the skill that takes one, and their folder."""
 
 import io
+import os
 from collections.abc import Callable
 from datetime import datetime
 from pathlib import Path
@@ -10,12 +11,12 @@ from numpy.typing import NDArray
 
 from edgevox.agent.skills import GoalHandle, Result, Skill, SkillFailed, skill
 from edgevox.agent.text.reasons import because
-from edgevox.core.errors import EdgeVoxError
+from edgevox.core.errors import EdgeVoxError, InvalidValue
 from edgevox.core.events import PictureTaken
 from edgevox.core.files.state_files import PUBLIC, write_atomically
 from edgevox.core.files.user_file import size_bytes
 from edgevox.core.log import get_logger
-from edgevox.robots.capabilities import Body, HasCamera, ReceivesPictures
+from edgevox.robots.capabilities import Advances, Body, HasCamera, HasPicture, ReceivesPictures
 
 log = get_logger(__name__)
 
@@ -113,3 +114,41 @@ def _seen(body: Body) -> NDArray[np.uint8]:
     if pixels is None:
         raise SkillFailed(because("no_picture"))
     return pixels
+
+
+MOMENT_S = 1.0
+"""Seconds before a picture, in which things fall to rest."""
+
+
+def check_picture(body: Body, file: Path) -> HasPicture:
+    """The body, as one that can be drawn into this file. Raises `InvalidValue`."""
+    if not isinstance(body, HasPicture):
+        raise InvalidValue("snapshot", body.name, "a robot that can show itself")
+    if file.is_dir() or not os.access(file.absolute().parent, os.W_OK):
+        raise InvalidValue("snapshot", str(file), "a file in a folder that can be written")
+    return body
+
+
+def take_snapshot(body: Body, file: Path) -> bool:
+    """Start the body, let a moment pass in its world, write the picture, and close it; True."""
+    shown = check_picture(body, file)
+    try:
+        body.start()
+        if isinstance(body, Advances):
+            body.advance(MOMENT_S)
+        write_picture(shown, file)
+    finally:
+        body.close()
+    return True
+
+
+def write_picture(body: HasPicture, file: Path) -> None:
+    """Write the picture; the file is whole or as it was. Raises `InvalidValue` if it cannot be."""
+    png = png_of(body.picture())
+    try:
+        write_atomically(file.absolute(), png, PUBLIC)
+    except OSError as error:
+        reason = error.strerror or str(error)
+        raise InvalidValue(
+            "snapshot", str(file), f"a file that can be written ({reason})"
+        ) from None

@@ -299,9 +299,13 @@ class TopicListener(InterfaceClient):
         qos = interface_profile(latched=latched, heard=True)
         node.create_subscription(kind, name, self._newest.take, qos)
 
+    def newest(self, oldest_s: float = READ_S) -> Any:
+        """The newest message, if it is no older, or latched; else None."""
+        return self._newest.young(float("inf") if self._latched else oldest_s)
+
     def latest(self, token: CancelToken, timeout_s: float, oldest_s: float = READ_S) -> Any:
         """The newest message, if it is no older, else the next. Raises `SkillFailed`."""
-        message = self._newest.young(float("inf") if self._latched else oldest_s)
+        message = self.newest(oldest_s)
         if message is not None:
             return message
         try:
@@ -326,7 +330,7 @@ class TopicListener(InterfaceClient):
         def known() -> Sequence[Any]:
             if since_s is not None and not self._latched:
                 return self._newest.since(since_s)
-            newest = self._newest.young(float("inf") if self._latched else oldest_s)
+            newest = self.newest(oldest_s)
             return () if newest is None else (newest,)
 
         try:
@@ -339,6 +343,14 @@ CANCEL_S = 5.0
 """Seconds that a cancelled action may take to end."""
 FEEDBACK_DEPTH = 10
 """Feedback messages that may wait for the skill; beyond that, the oldest is lost."""
+
+
+class GaveUp(SkillFailed):
+    """An action ended without success, with this result."""
+
+    def __init__(self, reason: Reason, result: Any) -> None:
+        self.result = result
+        super().__init__(reason)
 
 
 class ActionRunner(InterfaceClient):
@@ -361,7 +373,8 @@ class ActionRunner(InterfaceClient):
         `give_up` is called when an accepted goal was cancelled and may still be running.
 
         Raises `SkillFailed` with the reason, `Cancelled`, or the error of `hear`. In each of these
-        cases the action has been cancelled, and has ended if it did so within `CANCEL_S`.
+        cases the action has been cancelled, and has ended if it did so within `CANCEL_S`. `GaveUp`
+        has the result of an action that ended without success.
         """
         self.until_there(self._client.server_is_ready, token, timeout_s, "not_there")
         until_s = self._clock.now() + timeout_s
@@ -383,7 +396,7 @@ class ActionRunner(InterfaceClient):
                 raise self.failed("no_answer") from None
             raise
         if ended.result().status != GoalStatus.STATUS_SUCCEEDED:
-            raise self.failed("gave_up")
+            raise GaveUp(self.failed("gave_up").reason, ended.result().result)
         return ended.result().result
 
     def _follow(

@@ -19,6 +19,8 @@ from edgevox.ros2.open import check_environment, installed_middlewares
 
 INTERFACES = ("edgevox_msgs.action", "edgevox_msgs.msg", "tf2_msgs.msg", "diagnostic_msgs.msg")
 TRY_S = 10.0
+GRAPH_S = 3.0
+"""Until other nodes are known."""
 EVERY_S = 0.05
 TRIPS = 5
 
@@ -44,6 +46,27 @@ def middleware() -> dict[str, Any]:
 def interfaces() -> dict[str, Any]:
     """List the interfaces of EdgeVox that are not built for this Python."""
     return {"missing": [name for name in INTERFACES if not _imports(name)]}
+
+
+def graph() -> dict[str, Any]:
+    """The nodes, and the types and ends of each topic, on the domain of the environment."""
+    with _Node("edgevox_doctor") as node:
+        time.sleep(GRAPH_S)
+        topics = {
+            name: {
+                "types": types,
+                "publishers": len(node.get_publishers_info_by_topic(name)),
+                "subscriptions": len(node.get_subscriptions_info_by_topic(name)),
+            }
+            for name, types in node.get_topic_names_and_types()
+        }
+        nodes = sorted(f"{within.rstrip('/')}/{name}" for name, within in _nodes(node))
+        return {"nodes": nodes, "topics": topics}
+
+
+def _nodes(node: Any) -> list[tuple[str, str]]:
+    found: list[tuple[str, str]] = node.get_node_names_and_namespaces()
+    return found
 
 
 def round_trip() -> dict[str, Any]:

@@ -2,7 +2,15 @@
 
 from builtin_interfaces.msg import Time
 from geometry_msgs.msg import Point, Pose, Quaternion, Transform, TransformStamped, Vector3
-from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
+from rclpy.duration import Infinite
+from rclpy.qos import (
+    DurabilityPolicy,
+    HistoryPolicy,
+    QoSCompatibility,
+    QoSProfile,
+    ReliabilityPolicy,
+    qos_check_compatible,
+)
 from std_msgs.msg import Header
 
 from edgevox.core.transforms import Pose3D
@@ -71,3 +79,18 @@ def interface_profile(*, latched: bool, heard: bool) -> QoSProfile:
     if latched:
         return profile(QosSpec(depth=1, reliable=True, transient_local=True))
     return profile(QosSpec(depth=INTERFACE_DEPTH, reliable=not heard, transient_local=False))
+
+
+def unheard(publisher: QoSProfile, subscriber: QoSProfile) -> str:
+    """Return the reason why a subscriber would not hear a publisher; empty if it would."""
+    verdict, reason = qos_check_compatible(publisher, subscriber)
+    if verdict != QoSCompatibility.ERROR:
+        return ""
+    said = str(reason).replace("ERROR: ", "").strip("; ")
+    return said[:1].lower() + said[1:]
+
+
+def as_on_the_graph(profile: QoSProfile) -> QoSProfile:
+    """Set the durations that the middleware decides to infinite, as it reports them of others."""
+    profile.deadline = profile.lifespan = profile.liveliness_lease_duration = Infinite
+    return profile

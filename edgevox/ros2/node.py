@@ -208,8 +208,17 @@ class RosNode:
     """
 
     def __init__(
-        self, namespace: str, ros_args: Sequence[str] = (), *, name: str = NODE_NAME
+        self,
+        namespace: str,
+        ros_args: Sequence[str] = (),
+        *,
+        name: str = NODE_NAME,
+        own_name: bool = False,
     ) -> None:
+        """With `own_name` the node keeps its name and namespace.
+
+        `__node` and `__ns` of the arguments are then another node's of this process: the agent's.
+        """
         choose_profile()
         self._context = Context()
         self._lines = RcutilsStream() if is_set_up() else None
@@ -217,7 +226,13 @@ class RosNode:
         self._ros_args = [*(ros_args or sys.argv), *quiet]
         try:
             self._init()
-            self.node = QuietNode(name, namespace=namespace, context=self._context)
+            kept = ["--ros-args", "-r", f"__node:={name}", "-r", f"__ns:={namespace}"]
+            self.node = QuietNode(
+                name,
+                namespace=namespace,
+                context=self._context,
+                cli_args=kept if own_name else None,
+            )
             LoggerLevels(self.node)
             self.executor = SingleThreadedExecutor(context=self._context)
         except Exception as error:

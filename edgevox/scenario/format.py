@@ -369,6 +369,6 @@ def load_scenario(file: Path) -> Scenario:
 def parse_scenario(text: str, name: str) -> Scenario:
     """As `load_scenario`; `name` is the file's name in messages."""
     file = YamlFile(text, name, tags=STEPS)
-    if not isinstance(file.data, dict):
+    if file.data is not None and not isinstance(file.data, dict):
         raise InvalidValue(name, file.data, "a mapping with steps")
     return file.read(Scenario, file.data)

@@ -19,9 +19,10 @@ from edgevox.ros2.contract import (
     TAKE_OVER,
 )
 from edgevox.ros2.contract_rows import StandardTopic
-from edgevox.ros2.robot_file.format import RobotFile, load_robot_file
+from edgevox.ros2.robot_file.format import RobotFile
 from edgevox.ros2.robot_file.graph import Role as Interface
 from edgevox.ros2.robot_file.graph import wanted_by
+from edgevox.ros2.robot_file.load import load_robot_file
 from edgevox.ros2.standard_topics import AUDIO, EXTERNAL, INTEROP, NAV2_ACTION, STANDARD
 from edgevox.security.documents import (
     CLOCK,
@@ -100,7 +101,8 @@ def rights_of(role: EnclaveRole, graph: Graph, enclave: str) -> Rights:
         case EnclaveRole.ROBOT:
             return _agent(graph)
         case EnclaveRole.RECORDER:
-            return is_node(graph.at(RECORDER_NODE)) | hears(graph) | _hears_sound(graph)
+            own = is_node(graph.at(RECORDER_NODE)) | publishes(DIAGNOSTICS.topic)
+            return own | hears(graph) | _hears_sound(graph)
         case EnclaveRole.LISTENER:
             return _shell(enclave) | hears(graph)
         case EnclaveRole.TOOLS:

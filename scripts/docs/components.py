@@ -28,7 +28,8 @@ COMPONENTS: tuple[ComponentRow, ...] = (
     ComponentRow(
         ComponentName.STT,
         "speech to text",
-        "it is slower than speech, or more speech arrives than it can transcribe",
+        "it is slower than speech, more speech arrives than it can transcribe, or its server fails"
+        " and the model on board hears",
         "it failed on an utterance",
         "read the log; run `edgevox doctor --only models`",
     ),
@@ -42,7 +43,8 @@ COMPONENTS: tuple[ComponentRow, ...] = (
     ComponentRow(
         ComponentName.TTS,
         "text to speech",
-        "espeak-ng speaks instead of the selected voice, or a voice failed",
+        "espeak-ng speaks instead of the selected voice, a voice failed, or its server fails and"
+        " the voice on board speaks",
         "",
         "run `edgevox doctor --only models`",
     ),
@@ -86,6 +88,15 @@ COMPONENTS: tuple[ComponentRow, ...] = (
         "if its thread has ended, health names `console`; nothing else depends on it",
     ),
     ComponentRow(
+        ComponentName.RECORDINGS,
+        "the recordings that are started on the console's page. A recorder of its own reports as"
+        " component `recorder` of its node",
+        "the last recording failed, or there is no room for one; of a recorder of its own also that"
+        " the uploads fail, or that messages were lost",
+        "of a recorder of its own: nothing can be written",
+        "make room; [the recorder](operations.md#the-recorder)",
+    ),
+    ComponentRow(
         ComponentName.POLICY,
         "the rules of the policy file; its values give the number of refusals and the last one",
         "the file cannot be used and the previous policy stays in force, or it names a skill or a"
@@ -100,6 +111,13 @@ COMPONENTS: tuple[ComponentRow, ...] = (
         " places, of the console or of its recordings is not writable, and nothing in it is kept",
         "less than 100 MiB is free, or less than 2 % of a small file system",
         "remove old logs, recordings, or models; give the folder to the user who runs EdgeVox",
+    ),
+    ComponentRow(
+        ComponentName.CLOCK,
+        "whether the machine's clock is set and synchronised, as the kernel knows it",
+        "it is not synchronised: the stamps of this robot and of other machines disagree",
+        "it was never set",
+        "`sudo timedatectl set-ntp true`, or chrony with `rtcsync`",
     ),
     ComponentRow(
         ComponentName.PROCESS,

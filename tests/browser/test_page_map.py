@@ -14,7 +14,7 @@ from test_page_drives import until
 
 from edgevox.apps.console.shown_robot import MapGrid
 from edgevox.core.transforms import Pose2D, to_map
-from edgevox.robots.occupancy_map import FREE, OCCUPIED, UNKNOWN, OccupancyMap
+from edgevox.robots.capabilities import FREE, OCCUPIED, UNKNOWN, OccupancyMap
 
 CELL_M, YAW, CORNER = 0.5, 0.4, (2.0, -3.0)
 CELLS = np.full((10, 16), FREE, np.uint8)

@@ -1,32 +1,46 @@
-"""The page of many robots, in a real browser: what is shown, and for whom it is readable."""
+"""The page of many robots, in a real browser: who is let in, and what is shown."""
 
+import re
 from collections.abc import Iterator, Mapping
+from pathlib import Path
 
 import pytest
 from browser_rig import DEVICES, problems
 from playwright.sync_api import Browser, expect
 
-from edgevox.apps.fleet.serve import FleetRobot, FleetWatch, State, fleet_server
-from edgevox.ops.http_server import HttpServer
+from edgevox.apps.fleet.robots_file import FleetRobot
+from edgevox.apps.fleet.serve import fleet_server
+from edgevox.apps.fleet.watch import FleetWatch, LastSeen, RobotStatus
+from edgevox.console.page_server import PageServer
+from edgevox.console.sessions import Role
 
-STATES: Mapping[str, tuple[State, Mapping[str, str]]] = {
-    "kitchen": ("ready", {}),
-    "ward": ("unwell", {"stt": "its thread has ended"}),
-    "yard": ("gone", {"network": "no route to host"}),
-    "attic": ("unknown", {}),
+WELL = RobotStatus("0.1.1.dev37", "edgevox-ros2:0.1.1.dev37", False, 0.82, 48_300.0, recording=True)
+SEEN: Mapping[str, LastSeen] = {
+    "kitchen": LastSeen("ready", told=WELL),
+    "ward": LastSeen(
+        "unwell",
+        {"stt": "its thread has ended", "disk": "/data: 80 MiB left"},
+        RobotStatus("0.1.0", "sha256:" + 64 * "a", True, 0.41, 80.0, recording=False),
+    ),
+    "hall": LastSeen(
+        "warned",
+        {"sim": "battery at 9 %"},
+        RobotStatus("0.1.1.dev37", None, False, 0.09, 20_000.0, recording=False),
+    ),
+    "yard": LastSeen("gone", {"network": "no route to host"}),
+    "attic": LastSeen("unknown"),
 }
 
 
 @pytest.fixture
-def served() -> Iterator[HttpServer]:
+def served(tmp_path: Path) -> Iterator[PageServer]:
     robots = {
-        name: FleetRobot(health=f"http://{name}:1", console=f"https://{name}:8443")
-        for name in STATES
+        name: FleetRobot(health=f"http://{name}:1", console=f"https://{name}:8443") for name in SEEN
     }
-    by_address = {f"http://{name}:1": state for name, state in STATES.items()}
+    by_address = {f"http://{name}:1": seen for name, seen in SEEN.items()}
     watch = FleetWatch(robots, lambda robot: by_address[robot.health])
     watch.look()
-    server = fleet_server(watch, 0)
+    server = fleet_server(watch, tmp_path, "127.0.0.1", 0, hosts=frozenset({"127.0.0.1"}))
     server.start()
     yield server
     server.close()
@@ -34,18 +48,55 @@ def served() -> Iterator[HttpServer]:
 
 @pytest.mark.parametrize(("device", "colours"), DEVICES)
 def test_axe_finds_nothing(
-    browser: Browser, served: HttpServer, device: dict[str, object], colours: str
+    browser: Browser, served: PageServer, device: dict[str, object], colours: str, tmp_path: Path
 ) -> None:
     context = browser.new_context(**device, color_scheme=colours)
     page = context.new_page()
     broken: list[str] = []
     page.on("pageerror", lambda error: broken.append(str(error)))
-    page.goto(f"http://127.0.0.1:{served.port}")
-    expect(page.locator("tbody tr")).to_have_count(len(STATES))
-    expect(page.locator("#summary")).to_have_text("1 of 4 robots ready")
+    _, address = served.offer_code(Role.VIEWER)
+    page.goto(address)
+    expect(page.locator("tbody tr")).to_have_count(len(SEEN))
+    expect(page.locator("#summary")).to_have_text("2 of 5 robots ready, 1 with problems, 1 stopped")
     assert problems(page) == []
+    assert page.evaluate("document.documentElement.scrollWidth <= innerWidth"), (
+        "it scrolls sideways"
+    )
     assert not broken
     served.close()
     expect(page.locator("body")).to_have_class("stale")
     assert problems(page) == []
+    context.close()
+
+
+def test_a_browser_sees_nothing_until_it_has_the_code_and_then_the_ill_ones_first(
+    browser: Browser, served: PageServer
+) -> None:
+    context = browser.new_context()
+    page = context.new_page()
+    page.goto(served.url)
+    expect(page.locator("#summary")).to_have_text("This browser is not paired.")
+    expect(page.locator("table")).to_be_hidden()
+    assert problems(page) == []
+    page.get_by_label("Pairing code").fill("AAAA-AAAA")
+    page.get_by_role("button").click()
+    expect(page.locator("#summary")).to_have_text("This is not the code, or it was used before.")
+    code, _ = served.offer_code(Role.VIEWER)
+    page.get_by_label("Pairing code").fill(code.shown)
+    page.get_by_role("button").click()
+    expect(page.locator("tbody th")).to_have_text(["yard", "ward", "hall", "attic", "kitchen"])
+    expect(page.locator("tr.ready td")).to_have_text(
+        [
+            "ready",
+            "",
+            "allowed",
+            "82 %",
+            "47.2 GiB",
+            "recording",
+            "0.1.1.dev37",
+            re.compile(r"\d+ s ago"),
+        ]
+    )
+    expect(page.locator("tr.unwell td.stopped")).to_have_text("stopped")
+    expect(page.locator("form")).to_be_hidden()
     context.close()

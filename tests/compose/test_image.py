@@ -235,6 +235,31 @@ def test_the_bill_of_materials_names_every_debian_package(sbom, found):
         assert re.search(r"&distro=(debian|ubuntu)-[\d.]+&upstream=[^&]+%40[^&]+$", one["purl"])
 
 
+def test_the_bill_of_materials_names_every_package_of_ros_2_and_ours(sbom, found):
+    here = r"find /opt/ros/*/share /opt/edgevox/ros/share -maxdepth 2 -name package.xml"
+    named = {one["name"]: one for one in of_kind(sbom, "pkg:generic/ros/")}
+    assert {Path(line).parent.name for line in found(here)} == set(named)
+    assert {"rclpy", "std_msgs", "edgevox_msgs"} <= set(named)
+    assert all(one["licenses"] and one["version"] for one in named.values())
+
+
+def test_the_bill_of_materials_has_the_hash_of_each_locked_archive_and_nearly_all_licences(sbom):
+    lock = (ROOT / "requirements" / "image.lock").read_text()
+    locked = {
+        name.lower() for name, _ in re.findall(r"^([\w.-]+)==(\S+)", locked_text(), re.MULTILINE)
+    }
+    hashes = {
+        one["name"].lower().replace("_", "-"): one["hashes"][0]["content"]
+        for one in pypi(sbom)
+        if "hashes" in one
+    }
+    assert locked - set(hashes) == {"numpy"}, "the base's own"
+    assert all(one in lock for one in hashes.values())
+    libraries = [one for one in sbom["components"] if one["type"] == "library"]
+    without = [one["name"] for one in libraries if not one["licenses"]]
+    assert len(without) < 0.05 * len(libraries), without
+
+
 def test_the_bill_of_materials_names_every_model_with_its_licence(sbom):
     folder = ROOT / "edgevox" / "models"
     sets: dict[str, list[str]] = {}

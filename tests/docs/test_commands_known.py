@@ -19,6 +19,7 @@ from edgevox.ros2 import contract, standard_topics
 TABLE = proofs()
 SHOWN = {command: page for page in reversed(PAGES) for command in commands(page)}
 NEEDS = {
+    "Podman, and systemd as process 1",
     "PyTorch",
     "a cluster",
     "a package index",

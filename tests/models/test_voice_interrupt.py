@@ -8,6 +8,7 @@ import phrases
 import pytest
 from guards import HUNG_S
 from listener_rig import loud, says_espeak, says_piper, silence
+from support.conversation import Eloquent
 from voice_engines import words
 from voice_rig import SLOWLY
 from waiting import wait_until
@@ -30,10 +31,8 @@ STORY = (
 )
 
 
-class Teller:
+class Teller(Eloquent):
     """A model that tells a story for minutes; asked to think, it thinks until it is stopped."""
-
-    name, context_tokens = "teller", 4096
 
     def __init__(self):
         self.thinks, self.seen = threading.Event(), []
@@ -46,15 +45,6 @@ class Teller:
             assert token.wait(HUNG_S)
             return
         yield from STORY * 10
-
-    def prime(self, messages, token):
-        """Nothing to read."""
-
-    def count_tokens(self, text):
-        return len(text.split())
-
-    def close(self):
-        """Nothing to free."""
 
 
 @pytest.fixture(scope="module")

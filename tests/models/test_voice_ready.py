@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from guards import HUNG_S
 from listener_rig import loud, says_espeak, silence
+from support.conversation import Eloquent
 from voice_rig import SLOWLY, VoiceRig
 
 from edgevox.agent.llm.grammar import SAY
@@ -21,10 +22,8 @@ from edgevox.voice.stt.speech_to_text import WatchedSpeechToText
 KITCHEN, OFFICE = (("navigate_to", {"room": room}) for room in ("kitchen", "office"))
 
 
-class SlowReader:
+class SlowReader(Eloquent):
     """A model that reads its prompt until the test lets it; chats wait for that."""
-
-    name, context_tokens = "slow reader", 4096
 
     def __init__(self):
         self.reads, self.may_end = threading.Event(), threading.Event()
@@ -38,9 +37,6 @@ class SlowReader:
         token.on_cancel(self.may_end.set)
         self.reads.set()
         assert self.may_end.wait(HUNG_S)
-
-    def count_tokens(self, text):
-        return len(text.split())
 
     def close(self):
         self.may_end.set()

@@ -227,6 +227,13 @@ def test_a_package_of_an_unknown_release_is_not_counted_as_clean(
     assert said.endswith(f": {purl}\n")
 
 
+def test_packages_of_ros_2_are_not_asked_about(osv: tuple[Osv, str], tmp_path: Path) -> None:
+    service, address = osv
+    code, _ = scan(address, "--sbom", sbom(tmp_path, "pkg:generic/ros/rclpy@7.1.5"))
+    assert code == 0
+    assert all(one["package"]["name"] != "rclpy" for one in service.asked)
+
+
 def test_an_image_that_is_not_there_is_not_counted_as_clean(osv: tuple[Osv, str]) -> None:
     code, said = scan(osv[1], "--sbom", "/not/there.json")
 

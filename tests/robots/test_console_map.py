@@ -13,7 +13,7 @@ from edgevox.agent.policy import Guard
 from edgevox.apps.console.shown_robot import ShownRobot
 from edgevox.core.motion.interlock import Interlock
 from edgevox.core.transforms import ORIGIN, Pose2D
-from edgevox.robots.occupancy_map import FREE, OCCUPIED, UNKNOWN, OccupancyMap
+from edgevox.robots.capabilities import FREE, OCCUPIED, UNKNOWN, OccupancyMap
 
 CELLS = np.array([[OCCUPIED, FREE, UNKNOWN], [FREE, FREE, FREE]], np.uint8)
 

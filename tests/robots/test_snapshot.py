@@ -9,8 +9,8 @@ import pytest
 from guards import HUNG_S
 from PIL import Image
 
-from edgevox.apps.agent.snapshot import write_picture
 from edgevox.core.errors import InvalidValue
+from edgevox.robots.pictures import write_picture
 
 AGENT = str(Path(sys.executable).with_name("edgevox-agent"))
 

@@ -1,11 +1,14 @@
 """`edgevox doctor` for real, as a process on this machine."""
 
+import os
 from functools import partial
 
 import pytest
 from doctor_process import ask_doctor
+from waiting import wait_until
 
 from edgevox.apps.doctor.checks import CHECKS
+from edgevox.core.probe import probe_apart
 from edgevox.models import Store
 
 ODD = {"EDGEVOX_LANGAUGE": "en"}
@@ -74,6 +77,17 @@ def test_nonsense_in_the_environment_is_blamed_and_told_how_to_correct(
     assert (code, said["grade"]) == (1, "error")
     assert advice in said["advice"]
     assert checks["round trip"][0]["grade"] == "skipped"
+
+
+def test_an_archive_for_support_has_the_nodes_and_topics_of_the_domain(peer, domain):
+    peer()
+    here = {**os.environ, "ROS_DOMAIN_ID": str(domain)}
+
+    def graph():
+        return probe_apart("edgevox.ros2.doctor:graph", environment=here)
+
+    wait_until(lambda: "/peer" in graph()["nodes"], "the peer on the graph")
+    assert graph()["topics"]["/rosout"]["types"] == ["rcl_interfaces/msg/Log"]
 
 
 def test_warnings_fail_when_it_is_strict(doctor):

@@ -23,10 +23,12 @@ from interop_rig import hear, tell
 from peer import SENSOR, Peer
 from rclpy.action import ActionClient, ActionServer, CancelResponse
 from sensor_msgs.msg import Image, LaserScan
+from support.clock import HeldClock
 from waiting import wait_until
 
 from edgevox.agent.skills import SkillFailed
 from edgevox.core.cancel import Cancelled
+from edgevox.core.clock import Clock
 from edgevox.core.transforms import Pose2D, rotate
 from edgevox.robots.capabilities import Twist2D
 from edgevox.ros2.external.robot import ExternalRobot
@@ -97,12 +99,14 @@ def rig(_wheels, domain, monkeypatch):
     monkeypatch.setenv("ROS_DOMAIN_ID", str(domain))
     with contextlib.ExitStack() as stack:
 
-        def start(*arguments: str, namespace: str = "/robot1") -> ExternalRobot:
+        def start(
+            *arguments: str, namespace: str = "/robot1", clock: Clock | None = None
+        ) -> ExternalRobot:
             if namespace == "/robot1":
                 _wheels.run(*arguments)
             else:
                 stack.enter_context(wheels(*arguments, domain=domain, namespace=namespace))
-            robot = ExternalRobot(namespace, LOCATIONS, QUICK)
+            robot = ExternalRobot(namespace, LOCATIONS, QUICK, clock=clock)
             stack.callback(robot.close)
             robot.start()
             heard(robot)
@@ -190,6 +194,26 @@ def test_a_robot_that_is_stuck_fails_its_goal_with_a_reason(rig, control):
     control.send("do", "stuck")
     going = drive(robot, 2.0, 0.0)
     with pytest.raises(SkillFailed, check=phrases.because("not_moving")):
+        going.result()
+
+
+def test_a_drive_begins_once_a_robot_that_was_silent_for_a_moment_is_heard(rig, control):
+    clock = HeldClock()
+    robot = rig(clock=clock)
+    control.send("do", "silent")
+
+    def silent() -> bool:
+        clock.advance(QUICK.discovery_s + 1.0)
+        return robot.state()["pose"] is None
+
+    wait_until(silent, "silence")
+
+    going = drive(robot, 5.0, 0.0)
+    control.send("do", "heard")
+
+    wait_until(lambda: robot.state()["goal"], "the drive")
+    robot.halt("a test")
+    with pytest.raises(Cancelled, match="a test"):
         going.result()
 
 

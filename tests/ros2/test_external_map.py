@@ -15,7 +15,7 @@ from peer import STATE, Peer
 from waiting import wait_until
 
 from edgevox.core.errors import Refusal
-from edgevox.robots.occupancy_map import FREE, OCCUPIED, OccupancyMap
+from edgevox.robots.capabilities import FREE, OCCUPIED, OccupancyMap
 from edgevox.ros2.external.robot import ExternalRobot
 from edgevox.ros2.external.settings import ExternalSettings
 

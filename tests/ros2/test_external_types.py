@@ -3,6 +3,7 @@
 import contextlib
 import math
 import subprocess
+import sys
 
 import numpy as np
 import pytest
@@ -151,6 +152,25 @@ def test_a_drive_says_at_once_that_nothing_takes_velocities_and_where_something_
     unheard = because("velocities_unheard", topic="/robot1/cmd_vel")
     assert str(failed.value).startswith(unheard.text)
     assert "/robot1/base/cmd_vel (geometry_msgs/msg/Twist)" in str(failed.value)
+
+
+def test_a_quality_of_service_that_lets_nothing_through_is_told_and_nothing_is_driven(rig):
+    one = rig("--latched")
+    barrier = "volatile publisher and transient local subscription"
+    told = f"nothing gets through on /robot1/cmd_vel: {barrier}"
+    wait_until(lambda: one.robot.doubts == [told], told)
+
+    with pytest.raises(SkillFailed) as failed:
+        drive(one.robot, 1.0, 0.0).result()
+
+    assert str(failed.value).endswith(f"({barrier})")
+
+
+def test_its_node_stays_with_the_robot_whatever_the_agents_node_is_called(rig, monkeypatch):
+    names = ["--ros-args", "-r", "__ns:=/elsewhere", "-r", "__node:=agent"]
+    monkeypatch.setattr(sys, "argv", [*sys.argv, *names])
+    one = rig()
+    drive(one.robot, 0.2, 0.0).result()
 
 
 @pytest.mark.parametrize(

@@ -73,10 +73,10 @@ def test_a_warning_of_ours_is_on_rosout_once_as_the_nodes_and_once_in_the_stream
     listener.peer.send("set_language", "romulan")
     wait_until(lambda: len(listener.of("message_refused")) == 2, "the other one")
     said = listener.of("message_refused")[0]
-    assert said.name == "edgevox.edgevox.ros2.topics"
+    assert said.name == "edgevox.edgevox.ros2.bridge"
     assert said.level == WARN
     assert "klingon" in said.msg
-    assert said.file.endswith("topics.py")
+    assert said.file.endswith("bridge.py")
     assert said.stamp.sec > 0
     resident.wait_for_line("romulan")
     refused = [line for line in logged(resident)[before:] if line["event"] == "message_refused"]

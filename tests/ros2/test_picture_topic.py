@@ -6,8 +6,8 @@ from sensor_msgs.msg import CompressedImage
 
 from edgevox.core.bus import Bus
 from edgevox.core.events import PictureTaken
+from edgevox.ros2.bridge import PicturePublisher
 from edgevox.ros2.node import RosNode
-from edgevox.ros2.topics import PicturePublisher
 
 TOPIC = "/edgevox/picture"
 

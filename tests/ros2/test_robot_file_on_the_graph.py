@@ -3,6 +3,7 @@
 import pytest
 from doctor_process import ask_doctor
 from geometry_msgs.msg import TwistStamped
+from nav_msgs.msg import Odometry
 from robot_file_rig import NAMESPACE, ROBOT_FILE, Asked, interfaces
 from sensor_msgs.msg import CompressedImage
 from std_msgs.msg import Int32
@@ -126,6 +127,25 @@ def test_a_topic_of_the_contract_with_another_type_is_told_and_one_of_its_other_
     assert about(said, "topics") == [("error", told, "its node has to change")]
 
 
+def test_a_robot_without_a_file_is_looked_for_by_its_namespace(domain, peer):
+    node = peer("/plain").node
+    node.create_publisher(Odometry, "/plain/platform/odom", 1)
+    node.create_subscription(Int32, "/plain/cmd_vel", print, 1)
+
+    code, checks = ask_doctor("--robot-namespace", "plain", *ONLY, domain=domain)
+
+    fits = "geometry_msgs/msg/Twist or geometry_msgs/msg/TwistStamped"
+    misfit = f"topics: subscriber /plain/cmd_vel has the type {INT}, and not {fits}"
+    assert code == 1
+    assert [(one["found"], one["advice"]) for one in checks["robot file"]] == [
+        (
+            "topics: publisher /plain/odom is not there",
+            "there is /plain/platform/odom (nav_msgs/msg/Odometry)",
+        ),
+        (misfit, "its node has to change"),
+    ]
+
+
 @pytest.mark.long
 @pytest.mark.usefixtures("heard")
 def test_a_namespace_that_is_wrong_is_told_with_the_right_one_and_a_setting_beats_the_file(look):
@@ -145,8 +165,9 @@ def test_a_file_that_cannot_be_used_is_told_by_its_line(domain, tmp_path):
     file = tmp_path / "robot.yaml"
     file.write_text(ROBOT_FILE.read_text("utf-8").replace("data: 7", "date: 7"))
     code, checks = ask_doctor("--robot-file", str(file), *ONLY, domain=domain)
-    (said,) = checks["robot file"]
-    assert (code, said["grade"]) == (1, "error")
+    said, missing = checks["robot file"]
+    assert (code, said["grade"], missing["grade"]) == (1, "error", "error")
+    assert "skills.vacuum" in missing["found"]
     assert "skills.blink.request.date: got 7, expected a field that is one of data" in said["found"]
 
 

@@ -6,7 +6,6 @@ import pytest
 from geometry_msgs.msg import PoseStamped
 
 from edgevox.agent.nlu.templates import Recogniser, Understood
-from edgevox.agent.phrases.name_rules import check_skills
 from edgevox.agent.phrases.own_names import phrasebook_of
 from edgevox.agent.policy import Rule
 from edgevox.agent.skills import Call, OwnName, SkillSet
@@ -26,7 +25,8 @@ from edgevox.robots.capabilities import (
 )
 from edgevox.ros2.external import EXTERNAL
 from edgevox.ros2.external.settings import SteeringLimits
-from edgevox.ros2.robot_file.format import MOST_SKILLS, RobotFile, load_robot_file
+from edgevox.ros2.robot_file.format import MOST_SKILLS, RobotFile
+from edgevox.ros2.robot_file.load import load_robot_file
 from edgevox.ros2.robot_file.messages import Filling
 from edgevox.ros2.robot_file.skills import DescribedSkill
 from edgevox.ros2.standard_topics import DRIVEN
@@ -59,9 +59,8 @@ def test_a_type_that_leaves_its_folder_or_is_none_of_ros_is_off_and_nothing_is_r
 
 def test_no_word_of_a_skill_may_be_one_that_stops_the_robot(tmp_path):
     lamp = "publish: {name: lamp, type: std_msgs/msg/String}\nrequest: {data: '{x}'}\n"
-    body = build(tmp_path, lamp + "arguments: {x: {type: choice, values: [halt, red]}}")
-    with pytest.raises(InvalidValue, match="stops the robot"):
-        check_skills(body.skills)
+    with pytest.raises(InvalidValue, match="robot.yaml:6: .*stops the robot"):
+        build(tmp_path, lamp + "arguments: {x: {type: choice, values: [halt, red]}}")
 
 
 def test_the_words_of_a_choice_have_names_by_language(tmp_path):

@@ -68,7 +68,11 @@ class TypedRobot(Node):
     def take_as(self, name: str) -> None:
         if self.wheels:
             self.destroy_subscription(self.wheels)
-        self.wheels = self.create_subscription(TYPES[name], "cmd_vel", self.take, 10)
+        kept = (
+            DurabilityPolicy.TRANSIENT_LOCAL if self.options.latched else DurabilityPolicy.VOLATILE
+        )
+        quality = QoSProfile(depth=10, durability=kept)
+        self.wheels = self.create_subscription(TYPES[name], "cmd_vel", self.take, quality)
 
     def stamp(self, past_s: float = 0.0) -> Time:
         return self.get_clock().now() + rclpy.duration.Duration(seconds=self.options.ahead - past_s)
@@ -154,6 +158,7 @@ def main() -> None:
     parser.add_argument("--cmd-vel", choices=TYPES, default="Twist")
     parser.add_argument("--odom", default="odom")
     parser.add_argument("--scan", type=float, help="metres to the wall of a point cloud")
+    parser.add_argument("--latched", action="store_true", help="asks for kept velocities")
     parser.add_argument("--camera", action="store_true")
     parser.add_argument("--ahead", type=float, default=0.0)
     options = parser.parse_args(remove_ros_args(sys.argv)[1:])

@@ -1,7 +1,7 @@
 """The skills of all bodies, without the bodies: enough to speak of them and to be spoken to."""
 
 import random
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from functools import cache
 from pathlib import Path
 from types import MappingProxyType
@@ -92,6 +92,19 @@ def say_it(book: Phrasebook, one: Skill, template: str, source: random.Random) -
     }
     heard["name"] = heard["what"] = ["Zanzibar"]
 
+    def words(name: str) -> str:
+        if name == "place":
+            return written(source.choice(book.hearing.places), book.rules, words, source)
+        return source.choice(heard.get(name, ["0.5", "2", "90"]))
+
+    return written(template, book.rules, words, source)
+
+
+def written(
+    template: str, rules: Mapping[str, str], words: Callable[[str], str], source: random.Random
+) -> str:
+    """What this template stands for, by chance; `words` returns those of a list."""
+
     def write(part: Expression) -> str:
         match part:
             case TextChunk():
@@ -100,12 +113,10 @@ def say_it(book: Phrasebook, one: Skill, template: str, source: random.Random) -
                 return write(source.choice(part.items))
             case Sequence():
                 return "".join(write(item) for item in part.items)
-            case ListReference(list_name="place"):
-                return write(_parsed(source.choice(book.hearing.places)))
             case ListReference(list_name=name):
-                return source.choice(heard.get(name, ["0.5", "2", "90"]))
+                return words(name)
             case RuleReference(rule_name=name):
-                return write(_parsed(book.rules[name]))
+                return write(_parsed(rules[name]))
         raise TypeError(part)
 
     return " ".join(write(_parsed(template)).split())

@@ -45,17 +45,24 @@ def LETTERS(text: str, _code: str) -> str:  # noqa: N802 - stands for an engine
     return text.replace("th", "ð").replace("ch", "ʃ")
 
 
-class CertainEncoder:
-    """An encoder for which every sentence is an order, without any doubt."""
+ORDER, TALK = 12.0, -12.0
+"""Logits of the head for what is surely an order, and for what is surely none."""
 
-    def features(self, text: str) -> Any:
+
+class CertainEncoder:
+    """An encoder whose every sentence gives the head the same logit: that of an order."""
+
+    def __init__(self, logit: float = ORDER) -> None:
         head = read_head()
         weights = head.order_weights
-        return (weights * (12.0 - head.order_bias) / float(weights @ weights)).astype("float32")
+        self._features = weights * (logit - head.order_bias) / float(weights @ weights)
+
+    def features(self, text: str) -> Any:
+        return self._features.astype("float32")
 
 
 class Eloquent:
-    """A language model that says the same to everything, and is called only by who wants it."""
+    """A language model that says the same to everything, or what one made of it says."""
 
     name, context_tokens = "eloquent", 4096
 

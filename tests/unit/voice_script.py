@@ -7,7 +7,7 @@ import numpy as np
 from edgevox.voice.audio import FRAME_S, FRAME_SAMPLES, EndOfSound, Frame
 from edgevox.voice.stt.speech_to_text import Transcript
 
-VOICE, WAKE, BUTTON = 8000, 12000, 9000
+VOICE, WAKE, BUTTON = 8000, 12000, 8001
 """A voice, the wake word, and a voice while its talk button is held."""
 SILENCE_AFTER = 30
 

@@ -175,7 +175,7 @@ def check(kind: Kind, file: Path, wanted: Wanted) -> None:
         kind.load(file)
     error, field = caught.value, wanted.field
     if wanted.line is not None:
-        field = f"{file.name}:{wanted.line}: {field}"
+        field = f"{file.name}:{wanted.line}" + ("" if field is None else f": {field}")
     assert error.field == (file.name if field is None else field)
     expected = wanted.expected if isinstance(wanted.expected, list) else [wanted.expected]
     for part in expected:

@@ -154,6 +154,12 @@ class MotionRecord:
     """The last reported progress, from 0 to 1."""
     began_s: float | None = None
     """The clock's time when the goal began to run."""
+    told: str = ""
+    """What the skill last told of it in words."""
+
+
+MOST_TOLD = 200
+"""Characters of what a skill tells of its motion that are kept."""
 
 
 class Dialogue:
@@ -299,6 +305,7 @@ class Dialogue:
                 motion.began_s = motion.last_s
             if isinstance(event, GoalChanged) and event.feedback:
                 motion.progress = _part(event.feedback.get("progress"))
+                motion.told = str(event.feedback.get("text", ""))[:MOST_TOLD]
 
     def _where(self) -> Pose2D | None:
         """The body's pose; None if it does not know it."""

@@ -30,6 +30,7 @@ from edgevox.agent.skills import (
     skill,
 )
 from edgevox.agent.text.reasons import because
+from edgevox.agent.text.words import as_sentence
 from edgevox.agent.turn import Turn
 from edgevox.core.bus import Bus
 from edgevox.core.clock import Clock
@@ -62,9 +63,9 @@ class DialogueAnswers:
         skill = self._skills[running.skill]
         action = book.acknowledge(skill, running.arguments)
         action = action or book.say("busy", action=book.can(skill))
-        if running.progress is None:
-            return action
-        return book.say("doing", action=action, percent=round(100 * running.progress))
+        if running.progress is not None:
+            action = book.say("doing", action=action, percent=round(100 * running.progress))
+        return f"{action} {as_sentence(running.told)}".rstrip()
 
     def why(self) -> str:
         """A sentence about the words behind the last motion and how they were understood."""

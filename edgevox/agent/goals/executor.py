@@ -387,7 +387,8 @@ class SkillExecutor:
         phrases, skills = self._phrases(), [goal.skill for goal in goals]
         if not turn.token.cancelled and not self._held(skills, turn.mark):
             said = [phrases.acknowledge(goal.skill, goal.arguments) for goal in moving]
-            turn.say(phrases.chained(said))
+            if any(said) or not all(goal.skill.brief for goal in moving):
+                turn.say(phrases.chained(said))
         with self._gate:
             if turn.token.cancelled:
                 return False

@@ -1,8 +1,12 @@
-"""The abilities of a robot in words, from its skills and without a model."""
+"""The abilities of a robot in words, from its skills and without a model, and what it cannot do."""
 
-from collections.abc import Sequence
+import re
+from collections.abc import Iterator, Sequence
+from functools import cache
 
 from edgevox.agent.nlu.hearing.wordings import wordings
+from edgevox.agent.nlu.lexicon import plain, words_of
+from edgevox.agent.phrases.load import ENGLISH, phrasebook
 from edgevox.agent.phrases.phrasebook import MOST_SPOKEN, Phrasebook
 from edgevox.agent.skills import STOP, Skill
 from edgevox.agent.text.words import as_part
@@ -55,3 +59,90 @@ def _can(book: Phrasebook, one: Skill) -> str:
 def _asked_for(book: Phrasebook, one: Skill) -> str:
     sentence = next((each.sentence for each in wordings(one, book) if not each.alone), "")
     return book.say("quoted", words=sentence) if sentence else ""
+
+
+_MARKS = re.compile(r"[,;.!?\u2026\u3001\u3002\u060c\u061b\u061f\u0964\uff0c\uff01\uff1f]+")
+_ANY, _GAP = "*", "qzq"
+"""The mark for any words, and letters in its place that no spelling changes."""
+
+
+def cannot_do(text: str, book: Phrasebook, skills: Sequence[Skill]) -> str:
+    """The sentence that names what a text asks for and these skills cannot do; empty for none.
+
+    "Go to the kitchen and bring me the mug" asks to carry something. The longest wording counts.
+    """
+    names = {one.name for one in skills}
+    acts, english = phrasebook(book.code).acts, phrasebook(ENGLISH).acts
+    own = {word for one in skills if not book.knows(one) for word in _words_of(one, book)}
+    asked = [found for clause in _clauses(text, book) for found in _acts_in(clause, book.code)]
+    for wording, name in sorted(asked, key=lambda one: len(one[0]), reverse=True):
+        if names.isdisjoint(english[name].by) and not _words(wording) <= own:
+            return acts[name].cannot
+    return ""
+
+
+def _words_of(one: Skill, book: Phrasebook) -> set[str]:
+    """The words of a skill of a robot's own, which may do what others cannot."""
+    sentences = (*book.templates(one), one.description, one.name.replace("_", " "))
+    return {word for sentence in sentences for word in _words(sentence)}
+
+
+def _words(sentence: str) -> set[str]:
+    return {*re.findall(r"\w+", plain(sentence))}
+
+
+def _clauses(text: str, book: Phrasebook) -> list[str]:
+    """The parts of a text between its marks, its joints, and words that ask: "... can you ..."."""
+    words = words_of(book.code)
+    between = (*book.hearing.joints, *words.asking, *words.abilities)
+    ordered = sorted({plain(one).strip() for one in between}, key=len, reverse=True)
+    joint = _whole(ordered, spaced=book.hearing.spaced)
+    clauses = [part for each in _MARKS.split(text) for part in re.split(joint, plain(each))]
+    return [" ".join(one.split()) for one in clauses if one.strip()]
+
+
+def _acts_in(clause: str, code: str) -> Iterator[tuple[str, str]]:
+    """The acts that a clause asks for, each behind its wording."""
+    small = _courtesies(code)
+    while clause:
+        found = [(said, name) for said, name, one in _wordings(code) if one.fullmatch(clause)]
+        yield from found
+        shorter = re.sub(rf"^\s*{small}\s*", "", clause, count=1)
+        if shorter == clause:
+            shorter = re.sub(rf"\s*{small}\s*$", "", clause, count=1)
+        if found or shorter == clause:
+            return
+        clause = shorter
+
+
+@cache
+def _wordings(code: str) -> list[tuple[str, str, re.Pattern[str]]]:
+    """The wordings of the acts of a language, with their acts and patterns."""
+    acts, spaced = phrasebook(code).acts.items(), phrasebook(code).hearing.spaced
+    return [(one, name, _pattern(one, spaced=spaced)) for name, act in acts for one in act.words]
+
+
+def _pattern(wording: str, *, spaced: bool) -> re.Pattern[str]:
+    """The pattern of a clause with this wording, which may go on if it begins with a word."""
+    written = " ".join(plain(wording.replace(_ANY, _GAP)).split())
+    goes_on = not written.startswith(_GAP)
+    words = re.escape(written).replace("\\ ", " ")
+    if not spaced:
+        return re.compile(words.replace(_GAP, ".*") + ".*" * goes_on)
+    words = rf"{words}(?: .*)?" if goes_on else words.replace(f"{_GAP} ", "(?:.+ )?", 1)
+    return re.compile(words.replace(f" {_GAP} ", " (?:.+ )?").replace(_GAP, r"\w*"))
+
+
+@cache
+def _courtesies(code: str) -> str:
+    """A pattern of the small words that a clause may begin and end with."""
+    words, answers = words_of(code), phrasebook(code).answers
+    small = {*words.fillers, *words.asking, *words.abilities, *words.wishes, *answers.polite}
+    ordered = sorted({plain(one).strip() for one in small}, key=len, reverse=True)
+    return _whole(ordered, spaced=phrasebook(code).hearing.spaced)
+
+
+def _whole(phrases: Sequence[str], *, spaced: bool) -> str:
+    """A pattern of these phrases, as whole words where there are words."""
+    one = "|".join(map(re.escape, filter(None, phrases))) or "(?!)"
+    return rf"(?<!\w)(?:{one})(?!\w)" if spaced else f"(?:{one})"

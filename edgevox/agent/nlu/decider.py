@@ -412,7 +412,11 @@ def _asks_about_another(reading: Reading, lexicon: Lexicon) -> bool:
     "Can you pick up a cube" asks no robot without hands to stand up.
     """
     asks = lexicon.index(lexicon.function_words.abilities).starts(reading.tokens)
-    return bool(asks) and any(part.strange > 0 and not part.grounded for part in reading.parts)
+    return bool(asks) and any(
+        part.strange > 0 and not part.grounded
+        for part in reading.parts
+        if lexicon.skills[part.call.skill].moves
+    )
 
 
 def _held_back(reading: Reading, facts: Mapping[str, float]) -> bool:

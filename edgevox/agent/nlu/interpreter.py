@@ -6,12 +6,13 @@ sentence is an order; then the robot asks first.
 """
 
 from collections.abc import Iterable, Sequence
+from dataclasses import replace
 
 from edgevox.agent.agents import Agent, by_name
 from edgevox.agent.llm.calls import HANDOFF, Protocol
 from edgevox.agent.llm.language_model import ChatMessage, LanguageModel, ModelBusy, ModelFailed
 from edgevox.agent.llm.prompt import History, size_tokens
-from edgevox.agent.nlu.abilities import abilities, not_understood
+from edgevox.agent.nlu.abilities import abilities, cannot_do, not_understood
 from edgevox.agent.nlu.decider import Decider, Decision, Readings
 from edgevox.agent.nlu.disfluencies import fluent
 from edgevox.agent.nlu.hearing.hypotheses import is_contested, likeliest
@@ -123,7 +124,7 @@ class Interpreter:
         near = None if program else self._sounds_like(text, turn)
         if near and near.sure:
             return self._taken(near, turn)
-        meaning = self._read(text)
+        meaning = self._without_acts(self._read(text), text, turn)
         if meaning and (meaning.sure or not near) and not (program and _drives(meaning)):
             return self._taken(meaning, turn)
         if meaning and isinstance(program, Unclear):  # not for now, so not done
@@ -144,10 +145,14 @@ class Interpreter:
         """
         if asked := self._asked(text):
             return self._taken(asked, turn)
+        if cannot := self._cannot(text):
+            turn.say(cannot, Outcome.REFUSED)
+            return None
         if asks_whether(text, self._code) and not _needs_model(self.active):
             self._say_no_ability(turn)
             return None
-        if asks(text, self._code) and self._world().named_in(text):
+        of_robot = self._model is None and is_about_hearer(text, self._code)
+        if asks(text, self._code) and (of_robot or self._world().named_in(text)):
             turn.say(self.phrases.say("not_known"))
             return None
         if self._model is None:
@@ -199,6 +204,20 @@ class Interpreter:
             sure = min(decision.confidence, ASK_FROM) if asks else decision.confidence
             return Meaning(agent, decision.calls, "reading", sure)
         return None
+
+    def _cannot(self, text: str) -> str:
+        """The sentence that names what these words ask for and no skill can do; empty for none."""
+        if asks(text, self._code):
+            return ""
+        return cannot_do(text, self.phrases, self._every_skill())
+
+    def _without_acts(self, meaning: Meaning | None, text: str, turn: Turn) -> Meaning | None:
+        """The reading, asked about if the words ask for something besides that no skill can do."""
+        cannot = self._cannot(text) if meaning and _drives(meaning) else ""
+        if meaning and cannot:
+            turn.say(cannot)
+            return replace(meaning, confidence=min(meaning.confidence, ASK_FROM))
+        return meaning
 
     def _asked(self, text: str) -> Meaning | None:
         """The question to the robot that the words most likely ask, though no template fits."""

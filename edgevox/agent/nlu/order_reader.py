@@ -28,6 +28,7 @@ from edgevox.agent.nlu.orders import (
     Arrived,
     BatteryBelow,
     Do,
+    Pause,
     Program,
     Repeat,
     Return,
@@ -228,7 +229,19 @@ DEEPEST = 4
 _SECONDS = {"hours": 3600.0, "minutes": 60.0, "seconds": 1.0}
 _CLOCK = "clock"
 """The wrapper of an order for a time of day, or for every hour: it is refused."""
-_KINDS = ("low", "after", "until", "times", "arrived", "saying", "back", "patrol", "say", _CLOCK)
+_KINDS = (
+    "low",
+    "wait",
+    "after",
+    "until",
+    "times",
+    "arrived",
+    "saying",
+    "back",
+    "patrol",
+    "say",
+    _CLOCK,
+)
 """The kinds of wrappers, the outermost first."""
 _MARKS = ("later", "low")
 """Rules that mark an order for later."""
@@ -348,6 +361,8 @@ class _ProgramLanguage:
             return self._said(slots["words"])
         if kind == "patrol":
             return self._patrol(slots["places"], plain)
+        if kind == "wait":
+            return self._with_pause(slots, plain, left)
         order = self._read(self._order(slots), plain, left) if "order" in slots else Again()
         if order is None or isinstance(order, RefusedCommand):
             return order
@@ -361,6 +376,28 @@ class _ProgramLanguage:
         """The inner order, even if the wrapper stands in the middle of it."""
         space = " " if self._book.hearing.spaced else ""
         return space.join(slots[name] for name in ("order", "rest") if name in slots)
+
+    def _with_pause(
+        self, slots: dict[str, str], plain: Plain, left: int
+    ) -> Program | RefusedCommand | None:
+        """One order, a pause, and one more order, if anything follows."""
+        first = self._read(slots["order"], plain, left)
+        if not isinstance(first, Do) or len(first.calls) != 1:
+            return first if isinstance(first, RefusedCommand) else None
+        pause = Pause(_seconds(slots.items()))
+        if "next" not in slots:
+            return Steps((first, pause))
+        space = " " if self._book.hearing.spaced else ""
+        both = self._read(space.join((slots["order"], slots["next"])), plain, left)
+        match both:  # "... and come back" says what it means only behind the order
+            case Steps(steps=(before, after)):
+                return Steps((before, pause, after))
+            case Do(calls=(call, last)):
+                return Steps((Do((call,)), pause, Do((last,))))
+        then = self._read(slots["next"], plain, left)
+        if isinstance(then, Do) and len(then.calls) == 1:
+            return Steps((first, pause, then))
+        return then if isinstance(then, RefusedCommand) else None
 
     def _then(
         self, order: Program, slots: dict[str, str], plain: Plain, left: int

@@ -21,6 +21,13 @@ class Say:
 
 
 @dataclass(frozen=True, slots=True)
+class Pause:
+    """Wait between two steps."""
+
+    seconds: float
+
+
+@dataclass(frozen=True, slots=True)
 class Return:
     """Go back to where the robot stood when the program began to run."""
 
@@ -80,7 +87,7 @@ class When:
     program: "Program"
 
 
-Program = Do | Say | Return | Again | Steps | Repeat | After | When
+Program = Do | Say | Pause | Return | Again | Steps | Repeat | After | When
 
 
 def parts_of(program: Program) -> Iterator[Program]:

@@ -51,10 +51,16 @@ def asks(text: str, code: str) -> bool:
 
 
 def asks_whether(text: str, code: str) -> bool:
-    """True if the words ask about an ability other than to talk: "can you fly"."""
+    """True if the words ask about an ability other than to talk: "can you fly".
+
+    "How many hours can you run" asks how many.
+    """
     words = words_of(code)
     said = f" {plain(text)} "
     asked = [plain(one) for one in words.abilities if plain(one) in said]
+    first = [one for one in map(plain, words.questions) if said.startswith(f" {one} ")]
+    if first and not any(said.startswith(f" {one} ") for one in asked):
+        return False
     for one in asked:
         said = said.replace(one, " ")
     return bool(asked) and not _holds(said, words.talking, code)

@@ -253,7 +253,8 @@ def written(text: str, hearing: Hearing) -> str:
 def _forms(said: str, code: str, *, spaced: bool) -> tuple[str, ...]:
     """Written forms of a word. Cached, because a new word rebuilds a list of many old ones."""
     plain = key(said)
-    found = dict.fromkeys((digits(plain, code), plain))
+    sharp = [folded(said.lower())] if "ß" in said.lower() else []  # which `key` spells as ss
+    found = dict.fromkeys((digits(plain, code), plain, *sharp))
     return tuple(found) if spaced else tuple(one.replace(" ", "") for one in found)
 
 

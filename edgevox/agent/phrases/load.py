@@ -14,6 +14,7 @@ from typing import Any
 from edgevox.agent.phrases.phrasebook import (
     AnswerWords,
     Hearing,
+    HouseAct,
     Phrasebook,
     ProgramPhrases,
     SmallTalk,
@@ -67,6 +68,10 @@ def _book(code: str, data: Mapping[str, Any], fallback: Phrasebook | None) -> Ph
         | skill_entries(data.get("facts", {})),
         small_talk=_exchanges(data, "small_talk") or (fallback.small_talk if fallback else ()),
         declined=_exchanges(data, "declined") or (fallback.declined if fallback else ()),
+        acts={
+            name: HouseAct(tuple(one["words"]), one["cannot"], tuple(one.get("by", ())))
+            for name, one in data.get("acts", {}).items()
+        },
         links=tuple(data.get("links", fallback.links if fallback else ())),
         smoothing=_rewritings(data.get("smoothing", ())),
         answers=_answers(data.get("answers", {})),

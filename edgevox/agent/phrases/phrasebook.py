@@ -21,18 +21,24 @@ from edgevox.agent.text.spelling import key
 from edgevox.agent.text.words import (
     Word,
     as_part,
+    as_sentence,
     bare,
     fields,
     in_brackets,
     in_english,
     spoken_name,
+    whole_number,
     word_of,
     worded,
 )
 from edgevox.core.files.json_reader import is_number
+from edgevox.core.files.text import one_form
+from edgevox.core.files.yaml_file import value_key
 from edgevox.core.reason import Named, Reason
 
 _RULE = re.compile(r"<(\w+)>")
+_PLAIN_WORD = re.compile(r"(?<![\w{<:'\u2019])[^\W\d_]+(?![\w'\u2019])")
+"""A word of a template that is no name of a slot or a rule."""
 _SLOT = re.compile(r"\{(?:\w+:)?(\w+)\}")
 
 
@@ -234,6 +240,15 @@ class SmallTalk:
     answer: str
 
 
+@dataclass(frozen=True, slots=True)
+class HouseAct:
+    """Something that people ask of a robot in a house: languages/en.toml explains each field."""
+
+    words: tuple[str, ...]
+    cannot: str
+    by: tuple[str, ...] = ()
+
+
 @dataclass(frozen=True)
 class Phrasebook:
     """The phrases of one language; the skills and the English `fallback` fill its gaps."""
@@ -253,6 +268,7 @@ class Phrasebook:
     dialogue: Mapping[str, SkillPhrases] = field(default_factory=dict)
     small_talk: tuple[SmallTalk, ...] = ()
     declined: tuple[SmallTalk, ...] = ()
+    acts: Mapping[str, HouseAct] = field(default_factory=dict)
     links: tuple[str, ...] = ()
     answers: AnswerWords = field(default_factory=AnswerWords)
     smoothing: tuple[Rewriting, ...] = ()
@@ -296,6 +312,24 @@ class Phrasebook:
     def written_out(self, template: str) -> str:
         """A template without the names of rules."""
         return written_out(template, self.rules)
+
+    def with_any_length(self, template: str) -> str:
+        """A template that says metres, by any word for them, for all units of length.
+
+        What is heard in other units has become metres by one certain word.
+        """
+        lengths = self.numbers.lengths
+        if lengths is None or not self.hearing.spaced:
+            return template
+        metre = next((one for one, length in lengths.units if length == 1.0), None)
+        usual = self.rules.get("metres", lengths.metres)
+
+        def widened(found: re.Match[str]) -> str:
+            said = found[0]
+            is_metre = metre is not None and metre.fullmatch(one_form(said))
+            return f"({said}|{lengths.metres}|{usual})" if is_metre else said
+
+        return _PLAIN_WORD.sub(widened, template)
 
     def examples(self, one: Skill) -> Sequence[Example]:
         """Examples of a skill for a language model; English ones for words unknown here."""
@@ -400,7 +434,8 @@ class Phrasebook:
         return argument if argument in self.arguments else self.arguments.get(_WORD, "")
 
     def _because(self, sentence: str, reason: Reason) -> str:
-        return self.say(sentence, reason=bare(self.reason(reason)))
+        said = self.reason(reason)
+        return as_sentence(said) if reason.is_sentence else self.say(sentence, reason=bare(said))
 
     def _about(self, name: str, value: Any, said: str) -> Word | str:
         if name == "argument":
@@ -497,8 +532,8 @@ class Phrasebook:
             there = [(name, one["on"]) for name, one in value.items() if "on" in one]
             return self._join([self._thing_at(name, place) for name, place in there]) or None
         if isinstance(value, Sequence):
-            return self.listing(value) or None
-        return value
+            return self.listing(list(map(value_key, value))) or None
+        return whole_number(value)
 
     def _thing_at(self, name: str, place: str) -> str:
         return self.say("thing_at", thing=self.word(name), place=self.word(place))
@@ -507,10 +542,17 @@ class Phrasebook:
         """A skill's own English sentence, with what its words are called in English."""
         book = self.fallback or self
         told = {
-            name: book.words.get(key(value), in_english(value)) if isinstance(value, str) else value
-            for name, value in worded(values, book.said_for(one)).items()
+            name: book.english(value) for name, value in worded(values, book.said_for(one)).items()
         }
         return english.format(**told)
+
+    def english(self, value: Any) -> Any:
+        """A value as a skill's own English sentences use it."""
+        if isinstance(value, str):
+            return self.words.get(key(value), in_english(value))
+        if isinstance(value, list | tuple):
+            return self.listing(list(map(value_key, value)))
+        return whole_number(value)
 
     def _smooth(self, text: str) -> str:
         for pattern, replacement in self.smoothing:

@@ -1,9 +1,8 @@
 """The policy: permitted requests by way, and limits of motion, read from one YAML file.
 
 `policy` is its format and judges by it, `limits` are its limits of motion. `guard` is the entry for
-all callers: it holds the policy in force, reads the file again when it has changed, and counts
-refusals. `status` puts a policy into words and reports it. Imports core, and of the agent only
-skills and texts.
+all callers: it holds the policy in force, reads the file again when it has changed, counts
+refusals, and reports all of this in words. Imports core, and of the agent only skills and texts.
 """
 
 from edgevox.agent.policy.guard import CheckedCall, Guard

@@ -148,7 +148,7 @@ def read_policy_file(file: Path) -> PolicyFile:
 def parse_policy(text: str, name: str) -> PolicyFile:
     """The policy in a text, as `read_policy_file`; `name` is the file's name in messages."""
     file = YamlFile(text, name)
-    if not isinstance(file.data, dict):
+    if file.data is not None and not isinstance(file.data, dict):
         raise InvalidValue(name, file.data, "a mapping with rules and limits")
     return file.read(PolicyFile, file.data)
 

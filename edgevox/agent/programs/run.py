@@ -14,6 +14,7 @@ from edgevox.agent.nlu.orders import (
     Arrived,
     BatteryBelow,
     Do,
+    Pause,
     Program,
     Repeat,
     Return,
@@ -42,6 +43,8 @@ def in_words(program: Program, phrases: Phrasebook, skills: SkillSet) -> str:
             return phrases.chained([in_words(one, phrases, skills) for one in steps])
         case Say(words=words):
             return phrases.say("program_saying", words=words)
+        case Pause(seconds=seconds):
+            return phrases.say("program_wait", duration=phrases.duration(seconds))
         case Return():
             return phrases.say("program_back")
         case Repeat(program=inner, count=None):
@@ -117,6 +120,7 @@ class ProgramRun:
         self._home: Call | None = None
         self._step: Goal | None = None
         self._first = True
+        self._paused = False
 
     def as_skill(self, *, moves: bool) -> Skill:
         """The skill that the program's goal runs."""
@@ -146,6 +150,10 @@ class ProgramRun:
                     self._do(one, goal)
             case Say(words=words):
                 self._announce(words)
+            case Pause(seconds=seconds):
+                goal.token.wait(seconds)
+                goal.token.check()
+                self._paused = True
             case Return():
                 if self._home is None:
                     raise SkillFailed(because("cannot_go_back"))
@@ -171,6 +179,9 @@ class ProgramRun:
         """Run one step as a goal of its own, to its end."""
         goal.token.check()
         step = self._step = self._make(call)
+        if self._paused:  # people nearby may not expect that it goes on
+            self._paused = False
+            self._announce(self._phrases().acknowledge(step.skill, step.arguments))
         step.accept()
         forget = goal.token.on_cancel(partial(_cancel, step, goal))
         step.run()

@@ -18,6 +18,7 @@ from edgevox.agent.nlu.orders import (
     After,
     Again,
     BatteryBelow,
+    Pause,
     Program,
     Repeat,
     Return,
@@ -88,7 +89,9 @@ def check_bounds(program: Program, known: Known, skills: Collection[Skill]) -> N
     """
     if len(calls_of(program)) > MAX_CALLS:
         raise SkillFailed(because("program_long", count=str(MAX_CALLS)))
-    delays_s = [one.delay_s for one in parts_of(program) if isinstance(one, After)]
+    parts = [*parts_of(program)]
+    delays_s = [one.delay_s for one in parts if isinstance(one, After)]
+    delays_s += [one.seconds for one in parts if isinstance(one, Pause)]
     if sum(delays_s) > LONGEST_WAIT_S:
         raise SkillFailed(because("program_late", hours=f"{LONGEST_WAIT_S / 3600:g}"))
     for one in parts_of(program):

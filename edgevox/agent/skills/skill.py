@@ -231,6 +231,9 @@ class Skill:
     it in different ways. A language without that entry uses the one with the skill's name."""
     confirm: bool = False
     """True if it always needs a yes, as if the policy wanted that."""
+    brief: bool = False
+    """True if it is over at once: without words of its own for its beginning, only its end is
+    told."""
     plainly: bool = False
     """True if only its templates ask for it: no other words are read as it."""
 

@@ -21,6 +21,12 @@ def bare(sentence: str) -> str:
     return sentence.rstrip(". \u3002\u0964")
 
 
+def as_sentence(text: str) -> str:
+    """Words as a sentence of their own; empty if there are none."""
+    said = " ".join(text.split())
+    return said if not said or said[-1] in ".!?\u3002\u0964" else f"{said[:1].upper()}{said[1:]}."
+
+
 def as_part(sentence: str) -> str:
     """A sentence as a part of another."""
     return continued(sentence).rstrip(".")
@@ -91,10 +97,26 @@ def word_of(data: Mapping[str, Any] | None) -> Word:
     )
 
 
+OTHER = "other"
+"""The key of what is said for every value without words of its own; it may name the value."""
+
+
+def whole_number(value: Any) -> Any:
+    """A number without a fraction as people say it, 2 and not 2.0; others as they are."""
+    return int(value) if isinstance(value, float) and value.is_integer() else value
+
+
 def worded(values: Mapping[str, Any], words: Mapping[str, Mapping[str, str]]) -> Mapping[str, Any]:
     """Values as sentences need them: what is said for one, where there is something."""
-    said = {name: words.get(name, {}).get(value_key(value)) for name, value in values.items()}
+    said = {name: _word_for(words.get(name, {}), name, value) for name, value in values.items()}
     return {**values, **{name: _PLAIN.called(text) for name, text in said.items() if text}}
+
+
+def _word_for(words: Mapping[str, str], name: str, value: Any) -> str:
+    if not words:
+        return ""
+    other = words.get(OTHER, "") if value is not None else ""
+    return words.get(value_key(value)) or other.replace(f"{{{name}}}", value_key(value))
 
 
 def in_brackets(values: Iterable[Any], code: str) -> str:

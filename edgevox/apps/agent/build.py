@@ -13,10 +13,9 @@ from edgevox import __version__
 from edgevox.agent.agents import Agent
 from edgevox.agent.conversation import Conversation
 from edgevox.agent.known import NOTHING_KNOWN
-from edgevox.agent.llm.language_model import LanguageModel, ModelFailed
+from edgevox.agent.llm.language_model import LanguageModel, LlmComponent, ModelFailed
 from edgevox.agent.llm.prompt import PromptPrefill
-from edgevox.agent.llm.status import LlmComponent
-from edgevox.agent.policy.status import PolicyComponent
+from edgevox.agent.policy.guard import PolicyComponent
 from edgevox.agent.text.reasons import because
 from edgevox.apps.agent.models import (
     find_weights,
@@ -58,6 +57,7 @@ from edgevox.models import ModelMissing
 from edgevox.ops.health import Health
 from edgevox.ops.logs import BusLog
 from edgevox.ops.machine import DiskComponent, ProcessComponent
+from edgevox.ops.system_clock import ClockComponent
 from edgevox.robots.capabilities import Body, HasPicture, HasPose
 from edgevox.robots.facts import known_of
 from edgevox.robots.flat.viewer import Viewer, has_display
@@ -129,7 +129,7 @@ def build_parts(stack: ExitStack, settings: Settings, body: Body | None) -> Agen
         muted=settings.muted,
         confirm=settings.confirm,
         voices=available_voices,
-        deafness=(lambda _: "") if settings.text_mode or settings.stt_endpoint else deafness,
+        deafness=(lambda _: "") if settings.text_mode else deafness,
     )
     voice = (
         None
@@ -331,10 +331,12 @@ def list_components(parts: AgentParts, gauges: Gauges) -> None:
         Off(ComponentName.PRESENCE, "no ROS 2"),
         InterlockComponent(parts.interlock),
         Off(ComponentName.CONSOLE, "not asked for"),
+        Off(ComponentName.RECORDINGS, "no console"),
         PolicyComponent(parts.guard, lambda: known_names(parts.skills)),
         DiskComponent(
             lambda: written_folders(parts.settings), lambda: needed_folders(parts.settings)
         ),
+        ClockComponent(),
         ProcessComponent(parts.health, __version__, lambda: parts.conversation.refusals),
     )
 

@@ -12,20 +12,15 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 from edgevox import __version__
-from edgevox.agent.phrases.load import ENGLISH, phrasebook
-from edgevox.agent.phrases.name_rules import check_skills
 from edgevox.apps.agent.build import serve
+from edgevox.apps.agent.check import check_robot
 from edgevox.apps.agent.play import play, read_script
-from edgevox.apps.agent.policy import build_guard, strange_names
-from edgevox.apps.agent.snapshot import take_snapshot
 from edgevox.apps.flags import add_flags, given_flags
 from edgevox.apps.plugins import Plugins, bring_plugins, plugins_folder
 from edgevox.apps.robots import (
     ROBOTS,
-    about,
     about_packages,
     build_body,
-    gather_skills,
     learn_robots,
     open_places,
 )
@@ -36,11 +31,9 @@ from edgevox.apps.run_program import (
     secure_ros2,
     set_up_logs,
 )
-from edgevox.apps.streams import show, with_streams
-from edgevox.core.bus import Bus
-from edgevox.core.files.text import one_line
-from edgevox.core.settings import Settings, load_settings
-from edgevox.robots.capabilities import Body
+from edgevox.apps.streams import with_streams
+from edgevox.core.settings import load_settings
+from edgevox.robots.pictures import take_snapshot
 from edgevox.ros2 import split_ros_args
 
 
@@ -65,7 +58,7 @@ def parse_arguments(argv: Sequence[str], complaint: str = "") -> AgentArguments:
     `complaint` is said with what is wrong then: why a robot may be missing.
     """
     own, ros = split_ros_args(argv)
-    arguments = _parser(complaint).parse_args(own)
+    arguments = agent_parser(complaint).parse_args(own)
     return AgentArguments(
         arguments.robot,
         given_flags(arguments),
@@ -81,7 +74,8 @@ class _ArgumentParser(argparse.ArgumentParser):
     """Loads robots and packages with skills only for those who ask for help."""
 
     def __init__(self, prog: str, description: str, epilog: str, complaint: str) -> None:
-        super().__init__(prog, description=description, epilog=epilog)
+        usage = "%(prog)s ROBOT [FLAG ...] [--ros-args ...]"
+        super().__init__(prog, usage, description=description, epilog=epilog)
         self._complaint = complaint
         self._robot = self.add_argument("robot", choices=ROBOTS, metavar="ROBOT")
 
@@ -94,7 +88,8 @@ class _ArgumentParser(argparse.ArgumentParser):
         return super().format_help()
 
 
-def _parser(complaint: str) -> argparse.ArgumentParser:
+def agent_parser(complaint: str = "") -> argparse.ArgumentParser:
+    """The command line of edgevox-agent; `complaint` is said with what is wrong."""
     parser = _ArgumentParser(
         prog="edgevox-agent",
         description="A voice agent with a robot's body.",
@@ -121,32 +116,6 @@ def _parser(complaint: str) -> argparse.ArgumentParser:
     )
     add_flags(parser)
     return parser
-
-
-SHORT = 60
-"""A longer template shows nobody what to say."""
-
-
-def check_robot(body: Body, settings: Settings) -> bool:
-    """Print the skills of a body that is not started, each with what it can be told; True.
-
-    Also what its policy names and it has not. Raises `InvalidValue` for a name that people need for
-    something else, and for a policy that cannot be used.
-    """
-    guard = build_guard(settings, Bus(), body)
-    check_skills(body.skills)
-    skills = gather_skills(body, settings).skills
-    if itself := about(body):
-        show(one_line(itself))
-    english = phrasebook(ENGLISH)
-    show(f"{body.name} has {len(skills)} skills:")
-    for one in skills:
-        templates = map(english.written_out, english.templates(one))
-        said = [sentence for sentence in templates if len(sentence) <= SHORT]
-        show(one_line(f"  {one.name}: {one.description} {said[0] if said else ''}".rstrip()))
-    for text in strange_names(guard, skills):
-        show(one_line(f"the policy names what the robot has not: {text}"))
-    return True
 
 
 IN_THE_HAND = 0.0

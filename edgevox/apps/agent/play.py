@@ -11,7 +11,6 @@ from typing import Any
 from edgevox.agent.conversation import Conversation
 from edgevox.agent.policy import Guard
 from edgevox.apps.agent.build import build_parts, start_parts
-from edgevox.apps.agent.snapshot import check_picture, write_picture
 from edgevox.apps.streams import show
 from edgevox.core.agent_events import AgentEvent, GoalChanged, as_json
 from edgevox.core.bus import Bus
@@ -20,6 +19,7 @@ from edgevox.core.errors import InvalidValue
 from edgevox.core.events import Responded, Transcribed, TurnEnded
 from edgevox.core.settings import NO_LLM, Settings
 from edgevox.robots.capabilities import Advances, Body, TakesVelocity, TellsMotions, Twist2D
+from edgevox.robots.pictures import check_picture, write_picture
 from edgevox.scenario import Scenario, load_scenario, run_scenario
 from edgevox.scenario.judge import Seen, Source
 from edgevox.scenario.run import StepResult, heading, line, summary

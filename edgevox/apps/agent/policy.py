@@ -8,8 +8,8 @@ from typing import Protocol, runtime_checkable
 from edgevox.agent.phrases.load import phrasebook
 from edgevox.agent.phrases.name_rules import word_meant
 from edgevox.agent.policy import Guard, Policy, PolicyContext
+from edgevox.agent.policy.guard import unknown_names
 from edgevox.agent.policy.policy import VELOCITY
-from edgevox.agent.policy.status import unknown_names
 from edgevox.agent.skills import Skill, SkillFailed
 from edgevox.agent.skills.skill import OneOf
 from edgevox.core.bus import Bus

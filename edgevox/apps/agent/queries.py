@@ -34,9 +34,9 @@ def available_voices(language: str) -> Sequence[str]:
     return [choice.name for choice in available(LANGUAGES[language], _Finder())]
 
 
-def present_voices(controls: Controls) -> PresentVoices:
-    """Gives what speaks now by the settings, and after it what is tried when it fails."""
-    return PresentVoices(lambda: (controls.language, controls.voice), _Finder)
+def present_voices(wanted: Callable[[], tuple[str, str]]) -> PresentVoices:
+    """Gives what speaks now by language and voice, and after it what is tried when it fails."""
+    return PresentVoices(wanted, _Finder)
 
 
 def deafness(language: str) -> str:

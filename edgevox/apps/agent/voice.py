@@ -191,7 +191,7 @@ def build_voice(
     if wakeword:
         stack.callback(wakeword.close)
     hearing = open_hearing(stack, settings, HearingPrompts(SkillSet(skills)))
-    on_board = present_voices(controls)
+    on_board = present_voices(lambda: (controls.language, controls.voice))
     speech = _open_shared_speech(stack, settings, on_board, lambda: controls.language)
     pool = VoicePool(server=speech.open if speech else None)
     speech_output = SpeechOutput(SentenceSynthesiser(speech or on_board, pool), sink)

@@ -19,6 +19,7 @@ from edgevox.core.errors import EdgeVoxError
 from edgevox.core.files.user_file import size_bytes
 from edgevox.core.log import get_logger
 from edgevox.core.settings import Settings
+from edgevox.core.status import ComponentName, Finding, HealthCheck, Level, Status
 from edgevox.ros2.contract import RECORDER_NODE
 from edgevox.ros2.recordings import PREFIX, finished, folders, opened, remove, used_bytes
 from edgevox.security.startup import ENABLE, ENCLAVE, KEYSTORE, OVERRIDE, ROS_KEYSTORE
@@ -146,6 +147,9 @@ def open_recorder(
 class RobotRecorder:
     """At most one recording at a time; each is a folder with one MCAP file. For any thread."""
 
+    name = ComponentName.RECORDINGS
+    checks: tuple[HealthCheck, ...] = ()
+
     def __init__(self, settings: Settings, folder: Path, environment: Mapping[str, str]) -> None:
         self.kept = KeptRecordings(folder, settings.console_recordings_mb * MB)
         self.environment = environment
@@ -261,6 +265,22 @@ class RobotRecorder:
         if running:
             told |= {"seconds": seconds, "bytes": self.kept.begun_bytes()}
         return told
+
+    def status(self) -> Status:
+        """The status: a recording that failed or has no room is a warning."""
+        with self._lock:
+            running, why = self._process is not None, self._why
+        room = self.kept.room()
+        findings = [Finding(Level.WARN, f"the last recording failed: {why}")] if why else []
+        if room < (0 if running else self._least_mb * MB):
+            findings.append(Finding(Level.WARN, "no room for a recording"))
+        return Status.judged(
+            self.name,
+            findings,
+            well="records" if running else "does not record",
+            recording=running,
+            room_mb=room // MB,
+        )
 
     def _watch(self, process: subprocess.Popen[str]) -> None:
         last = _last_line(process.stderr) if process.stderr else ""

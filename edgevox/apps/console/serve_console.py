@@ -61,6 +61,9 @@ def _open(own: ExitStack, parts: AgentParts) -> "ConsoleServer":
         if isinstance(recorder, RobotRecorder):
             own.callback(recorder.close)
             recorder.mend()
+            parts.components.add(recorder)
+        else:
+            parts.components.add(Off(ComponentName.RECORDINGS, f"not here: {recorder}"))
         server = open_console(build_context(parts, sound, recorder), parts.settings, folder)
         own.callback(server.close)
     except OSError as error:

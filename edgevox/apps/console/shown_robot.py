@@ -22,22 +22,22 @@ from edgevox.core.errors import InvalidValue
 from edgevox.core.log import get_logger
 from edgevox.core.motion.interlock import Interlock
 from edgevox.core.transforms import Pose2D, to_map
+from edgevox.robots.battery import charge_of
 from edgevox.robots.capabilities import (
     Body,
-    HasBattery,
     HasCamera,
     HasLidar,
     HasPicture,
     HasPlaces,
     HasPose,
     LidarScan,
+    OccupancyMap,
     ReceivesMap,
     ReceivesPictures,
     RemembersPlaces,
     TakesVelocity,
 )
 from edgevox.robots.limits import Steering
-from edgevox.robots.occupancy_map import OccupancyMap
 from edgevox.robots.places.skills import REMEMBER
 from edgevox.robots.shapes import Circle, Point, Shape, place
 from edgevox.robots.world.model import Thing, World
@@ -168,8 +168,8 @@ def live(body: Body, label: Label) -> dict[str, Any]:
         found["lidar"] = _lidar(body, pose)
     if isinstance(body, InWorld):
         found |= {"path": path(body), "furniture": pushed(body, label)}
-    if isinstance(body, HasBattery):
-        found["battery"] = {"level": round(body.battery(), 4)}
+    if (charge := charge_of(body)) is not None:
+        found["battery"] = {"level": round(charge, 4)}
     if isinstance(body, HasJoints):
         found["joints"] = [
             {"name": name, "value": round(angle, 4), "lower": low, "upper": high}

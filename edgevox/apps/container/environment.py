@@ -176,7 +176,7 @@ AGENTS_OF: Mapping[str, str] = {"robot.yaml": "robot-external", "world.yaml": "r
 """The default robot: by the first of these files that is there."""
 MOUNTED = Path("/plugins")
 """Plug-ins that are mounted, or part of a derived image: ours has no such folder."""
-ALSO = ("scenarios", "README.md")
+ALSO = ("interfaces", "scenarios", "README.md")
 
 
 def from_folder(environment: Mapping[str, str], warn: Callable[[str], None]) -> dict[str, str]:
@@ -220,7 +220,7 @@ TRUTH |= {"false": "false", "0": "false", "no": "false", "off": "false"}
 NOT_OURS = re.compile(r"EDGEVOX_(\w+_)?(SERVICE_(HOST|PORT)(_\w+)?|PORT(_\d+_\w+)?)")
 """Variables that Kubernetes sets in every pod for a service whose name begins with edgevox."""
 PLUGINS = "EDGEVOX_PLUGINS"
-OF_COMPOSE = frozenset({"EDGEVOX_IMAGE", "EDGEVOX_UID", "EDGEVOX_GID"})
+OF_COMPOSE = frozenset({"EDGEVOX_UID", "EDGEVOX_GID"})
 
 
 def prepared(environment: Mapping[str, str], warn: Callable[[str], None]) -> dict[str, str]:

@@ -3,10 +3,8 @@
 from edgevox.apps.doctor import (
     console,
     machine,
-    model_files,
     robots,
     ros,
-    security,
     servers,
     sound,
 )
@@ -65,8 +63,8 @@ CHECKS: tuple[Check, ...] = (
     Check(
         "models",
         "the models that the settings need are here and undamaged",
-        model_files.probe_models,
-        model_files.judge_models,
+        machine.probe_models,
+        machine.judge_models,
     ),
     Check(
         "servers",
@@ -109,8 +107,8 @@ CHECKS: tuple[Check, ...] = (
     Check(
         "security",
         "DDS security, if it is on, works; it prints the build of ROS 2 and the expiry date",
-        security.probe_security,
-        security.judge_security,
+        ros.probe_security,
+        ros.judge_security,
         needs=("ros2",),
     ),
     Check(
@@ -141,7 +139,8 @@ CHECKS: tuple[Check, ...] = (
     ),
     Check(
         "robot file",
-        "every interface of the robot file is on the graph, with its type and QoS",
+        "every interface of the robot file, or the robot of `robot_namespace`, is on the graph,"
+        " with its type and QoS",
         robots.probe_robot_file,
         robots.judge_robot_file,
         needs=("ros2", "domain"),

@@ -12,10 +12,12 @@ from rich.console import Console  # noqa: TID251 - its cells are printable text
 from rich.table import Table
 from rich.text import Text
 
+from edgevox.apps.doctor.bundle import bundle
 from edgevox.apps.doctor.check import Check, CheckAnswer, Situation, ask
 from edgevox.apps.doctor.checks import CHECKS
 from edgevox.apps.flags import add_flags, given_flags
 from edgevox.apps.robots import ROBOTS
+from edgevox.apps.state import write_archive
 from edgevox.apps.streams import show, with_streams
 from edgevox.core.errors import EdgeVoxError, InvalidValue
 from edgevox.core.files.text import one_line, printable
@@ -95,17 +97,32 @@ PROGRAM = "edgevox-doctor"
 @with_streams(PROGRAM, results=True)
 def main(argv: Sequence[str] | None = None, program: str = PROGRAM) -> int:
     """Look at the machine; 0 if EdgeVox can run on it, 1 if not, 2 for a wrong command line."""
-    arguments = _parser(program).parse_args(argv)
+    arguments = doctor_parser(program).parse_args(argv)
     settings, refused = _settings(given_flags(arguments), arguments.config)
     agent = arguments.robot or os.environ.get(AGENT, "")
     situation = Situation(settings, dict(os.environ), agent, arguments.quick, refused)
     answers = ask(_chosen(arguments.only), situation)
+    if arguments.bundle:
+        return _write_bundle(program, as_json(answers), situation, arguments)
     if arguments.json:
         show(as_json(answers))
     else:
         print_table(answers)
     limit = Level.WARN if arguments.strict else Level.ERROR
     return UNWELL if worst(answers) >= limit else WELL
+
+
+def _write_bundle(
+    program: str, doctor: str, situation: Situation, arguments: argparse.Namespace
+) -> int:
+    """Write the archive; what the doctor found wrong is in it, and no failure of this."""
+    try:
+        if write_archive(bundle(doctor, situation, arguments.logs), arguments.bundle):
+            show(f"{arguments.bundle}: read it before you send it; it names machines and rooms")
+    except OSError as error:
+        show(f"{program}: {error}", error=True)
+        return UNWELL
+    return WELL
 
 
 def _settings(flags: Mapping[str, Any], config: Path | None) -> tuple[Settings, str]:
@@ -118,7 +135,10 @@ def _settings(flags: Mapping[str, Any], config: Path | None) -> tuple[Settings, 
         said = f"{where}: {wrong}"
     except EdgeVoxError as wrong:
         said = str(wrong)
-    return check_settings(flags), said
+    try:
+        return check_settings(flags), said
+    except InvalidValue as wrong:  # a flag, and perhaps more
+        return check_settings({}), str(wrong)
 
 
 def _chosen(only: Sequence[str] | None) -> list[Check]:
@@ -126,14 +146,15 @@ def _chosen(only: Sequence[str] | None) -> list[Check]:
     return [check for check in CHECKS if check.name in names]
 
 
-def _parser(program: str) -> argparse.ArgumentParser:
+def doctor_parser(program: str) -> argparse.ArgumentParser:
+    """The command line of the doctor."""
     parser = argparse.ArgumentParser(
         prog=program,
         description="Check whether this machine can run EdgeVox, and say how to fix problems.",
         epilog="Exit codes: 0 no error, 1 an error (with --strict also a warning), 2"
         " wrong arguments.",
     )
-    add_flags(parser, ["plugins", "skills"])
+    add_flags(parser, ["plugins", "robot_namespace", "skills"])
     parser.add_argument(
         "--robot", choices=ROBOTS, metavar="ROBOT", help=f"check its models, too [{AGENT}]"
     )
@@ -143,6 +164,18 @@ def _parser(program: str) -> argparse.ArgumentParser:
         default=argparse.SUPPRESS,
         metavar="FILE",
         help=f"look on the graph for what this robot file names [{ENV_PREFIX}ROBOT_FILE]",
+    )
+    parser.add_argument(
+        "--bundle",
+        metavar="FILE",
+        help="write one archive for support, without secrets: this report, settings, versions,"
+        " health, metrics and ROS 2's graph; - for the output",
+    )
+    parser.add_argument(
+        "--logs",
+        default="",
+        metavar="FILE",
+        help="also put the last lines of this log into the archive; - for the input",
     )
     parser.add_argument("--json", action="store_true", help="print one JSON object")
     parser.add_argument("--strict", action="store_true", help="fail on warnings as well")

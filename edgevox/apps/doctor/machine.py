@@ -1,15 +1,16 @@
 """The checks of the machine and of this process.
 
 Python, processor, memory, disks, clock, GPU, OpenGL without a display; settings, folders that must
-be writable, container.
+be writable, container; the models that the settings need: whether they are here, and intact.
 """
 
-import ctypes
 import os
 import platform
 import sys
 import tempfile
 import time
+from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 from edgevox import __version__
@@ -17,14 +18,21 @@ from edgevox.agent.llm import weights
 from edgevox.agent.llm.factory import XLLAMACPP_NEEDS, missing_features
 from edgevox.agent.llm.weights import needed_bytes, read_memory
 from edgevox.apps.agent.models import find_weights
+from edgevox.apps.agent.queries import fetch_commands
+from edgevox.apps.agent.voice import needed_models
 from edgevox.apps.container.environment import warn_of_unknown
 from edgevox.apps.doctor.check import CheckVerdict, Facts, Situation, error, ok, skipped, warning
 from edgevox.apps.folders import needed_folders, ros_logs, written_folders
+from edgevox.apps.robots import ROBOTS
 from edgevox.core.errors import EdgeVoxError, install_extra
+from edgevox.core.languages import LANGUAGES
 from edgevox.core.process import cpu_quota, usable_cpus
 from edgevox.core.settings import NO_LLM, Settings
 from edgevox.models import Store
+from edgevox.models.manifest import Model, ModelFile
+from edgevox.models.store import has_right_bytes, is_whole
 from edgevox.ops.machine import MIB, DiskSpace, room, rooms, unwritable
+from edgevox.ops.system_clock import NEVER_SET_BEFORE_S, synchronised
 
 _WITH_CAMERA = ("robot-panda", "robot-humanoid")
 
@@ -85,8 +93,6 @@ PYTHONS = ((3, 11), (3, 12), (3, 13))
 VOICE_MIB = 600
 """Speech recognition, voices and the rest, beside the language model."""
 LEAST_CORES = 2
-_UNSYNCHRONISED = 0x40  # STA_UNSYNC of adjtimex(2)
-_BUILT_S = 1_704_067_200.0  # 2024: a clock before that was never set
 
 
 def probe_python(_: Situation) -> Facts:
@@ -201,28 +207,19 @@ def judge_disk(facts: Facts, _: Situation) -> list[CheckVerdict]:
 
 def probe_clock(_: Situation) -> Facts:
     """The time, and whether the kernel believes it."""
-    return {"now": time.time(), "synchronised": _synchronised()}
+    return {"now": time.time(), "synchronised": synchronised()}
 
 
 def judge_clock(facts: Facts, _: Situation) -> CheckVerdict:
     """Other machines compare stamps with their own clocks."""
     when = time.strftime("%Y-%m-%d %H:%M UTC", time.gmtime(facts["now"]))
-    if facts["now"] < _BUILT_S:
+    if facts["now"] < NEVER_SET_BEFORE_S:
         return error(f"it is {when}: the clock was never set", "set it: sudo timedatectl set-ntp 1")
     if facts["synchronised"] is False:
-        advice = "time stamps of machines disagree: sudo timedatectl set-ntp 1, or chrony"
+        advice = "time stamps of machines disagree: sudo timedatectl set-ntp 1"
         return warning(f"{when}, not synchronised", advice)
     known = "synchronised" if facts["synchronised"] else "synchronisation unknown"
     return ok(f"{when}, {known}")
-
-
-def _synchronised() -> bool | None:
-    """Return whether the kernel's clock is synchronised; None where that may not be asked."""
-    asked = (ctypes.c_int * 64)()  # struct timex: `modes` first, of zero, so that nothing is set
-    if ctypes.CDLL(None, use_errno=True).adjtimex(asked) < 0:
-        return None
-    status = asked[10]  # after modes (with padding), offset, freq, maxerror and esterror
-    return not status & _UNSYNCHRONISED
 
 
 def _llm_bytes(settings: Settings) -> int:
@@ -294,3 +291,91 @@ def judge_container(facts: Facts, _: Situation) -> CheckVerdict:
     if facts["uid"] == 0:
         return warning(found, "run it as its own user (uid 1000), as docker-compose.ros2.yml does")
     return ok(found)
+
+
+ABSENT, DAMAGED, RIGHT = "absent", "damaged", "right"
+_READERS = 2
+
+
+def needed(situation: Situation) -> Iterator[str]:
+    """The ids of the models without which EdgeVox would not start, or not hear."""
+    settings = situation.settings
+    if settings.llm != NO_LLM and not settings.llm.endswith(".gguf"):
+        yield settings.llm
+    if not settings.text_mode:
+        yield LANGUAGES[settings.language].stt_model
+        yield from needed_models(settings)
+    if situation.agent in ROBOTS:
+        yield from ROBOTS[situation.agent].models
+
+
+def wanted(situation: Situation) -> Iterator[str]:
+    """Yield the models without which it would speak worse."""
+    if not situation.settings.text_mode:
+        yield from LANGUAGES[situation.settings.language].voices[0].models
+
+
+def probe_models(situation: Situation) -> Facts:
+    """List the wanted models, and the state of those and of all that are here."""
+    store = Store()
+    must = list(dict.fromkeys(needed(situation)))
+    better = [one for one in dict.fromkeys(wanted(situation)) if one not in must]
+    here = [name for name, one in store.manifest.models.items() if store.folder(one).is_dir()]
+    asked = [*must, *better]
+    with ThreadPoolExecutor(_READERS, thread_name_prefix="hash") as pool:
+        states = pool.map(lambda name: _state(store, name, quick=situation.quick), asked)
+        found = dict(zip(asked, states, strict=True))
+    found |= {name: _state(store, name, quick=True) for name in here if name not in found}
+    unknown = [name for name in must if name not in store.manifest.models]
+    file = situation.settings.llm if situation.settings.llm.endswith(".gguf") else ""
+    return {
+        "root": str(store.root),
+        "needed": must,
+        "wanted": better,
+        "found": found,
+        "unknown": unknown,
+        "file": file if file and not Path(file).is_file() else "",
+    }
+
+
+def judge_models(facts: Facts, situation: Situation) -> list[CheckVerdict]:
+    """Judge the models: a faulty needed one is an error, a faulty optional one a warning."""
+    found, unknown = facts["found"], facts["unknown"]
+    said = [error(f"{name}: no such model", "edgevox-models list shows all") for name in unknown]
+    if facts["file"]:
+        said.append(error(f"{facts['file']}: no such file", "correct llm"))
+    for grade, names in ((error, facts["needed"]), (warning, facts["wanted"])):
+        wrong = [name for name in names if found[name] != RIGHT and name not in unknown]
+        said += [grade(f"{name} is {found[name]}", _fetch(name, found[name])) for name in wrong]
+    asked = {*facts["needed"], *facts["wanted"]}
+    others = [name for name, state in found.items() if name not in asked and state == DAMAGED]
+    said += [
+        warning(f"{name}, not needed now, is damaged", _fetch(name, DAMAGED)) for name in others
+    ]
+    right = sum(state == RIGHT for state in found.values())
+    how = "by size and stamp" if situation.quick else "those needed hashed"
+    summary = f"{right} of {len(found)} here and right, {how}, in {facts['root']}"
+    return [*said, ok(summary)] if right or not said else said
+
+
+def _state(store: Store, name: str, *, quick: bool) -> str:
+    """A file that is there and wrong is damaged, also where others are absent."""
+    model = store.manifest.models.get(name)
+    if model is None:
+        return ABSENT
+    states = {_file_state(store, model, file, quick=quick) for file in model.files}
+    return next(state for state in (DAMAGED, ABSENT, RIGHT) if state in states)
+
+
+def _file_state(store: Store, model: Model, file: ModelFile, *, quick: bool) -> str:
+    folder = store.folder(model)
+    path = folder / file.name
+    if not path.is_file():
+        return ABSENT
+    right = is_whole(folder, file) if quick else has_right_bytes(path, file)
+    return RIGHT if right else DAMAGED
+
+
+def _fetch(name: str, state: str = ABSENT) -> str:
+    command = next(iter(fetch_commands([name])), f"edgevox-models fetch {name}")
+    return command if state == ABSENT else f"edgevox-models verify {name}; {command}"

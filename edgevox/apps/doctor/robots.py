@@ -7,11 +7,11 @@ from importlib.metadata import EntryPoint
 from pathlib import Path
 from typing import TypeVar
 
+from edgevox.agent.policy.guard import NO_FILE, explain, unknown_names
 from edgevox.agent.policy.policy import PolicyFile, local_time, read_policy_file
-from edgevox.agent.policy.status import NO_FILE, explain, unknown_names
 from edgevox.apps.agent.policy import known_names, policy_context
 from edgevox.apps.doctor.check import CheckVerdict, Facts, Situation, error, ok, skipped, warning
-from edgevox.apps.doctor.security import NOT_WITH_SECURITY, is_secured
+from edgevox.apps.doctor.ros import NOT_WITH_SECURITY, is_secured
 from edgevox.apps.plugins import Plugins, bring_plugins
 from edgevox.apps.robots import ROBOTS, build_body
 from edgevox.core.errors import EdgeVoxError, InvalidValue
@@ -19,7 +19,7 @@ from edgevox.core.probe import probe_apart
 from edgevox.core.settings import Settings, check_settings
 from edgevox.robots.plugin import fault_of_robot, foreign_robot_points
 from edgevox.robots.skill_packages import chosen_skills, fault_of, installed_skills, left_out
-from edgevox.ros2.robot_file.format import load_robot_file
+from edgevox.ros2.robot_file.load import load_robot_file
 
 T = TypeVar("T")
 
@@ -158,9 +158,9 @@ _NEEDED = {"robot_file", "robot_namespace"}
 
 
 def probe_robot_file(situation: Situation) -> Facts:
-    """Look on the graph for the file's interfaces, if there is a file."""
+    """Look on the graph for the robot that a file or its namespace names."""
     settings = situation.settings
-    if settings.robot_file is None:
+    if not _NEEDED & settings.model_fields_set:
         return {"given": False}
     if is_secured(situation.environment):
         return {"given": True, "secured": True}
@@ -175,11 +175,12 @@ def _as_json(settings: Settings) -> str:
 def judge_robot_file(facts: Facts, situation: Situation) -> list[CheckVerdict]:
     """Judge the graph: another type is an error; a missing interface may only be switched off."""
     if not facts["given"]:
-        return [skipped("no robot file", "--robot-file FILE checks its interfaces")]
+        advice = "--robot-file FILE or --robot-namespace NAMESPACE looks for your robot"
+        return [skipped("no robot file", advice)]
     if facts.get("secured"):
         return [skipped(NOT_WITH_SECURITY)]
     if facts["wrong"]:
-        return [error(facts["wrong"], "correct it: no agent starts with it")]
+        return [error(one, "correct it: no agent starts with it") for one in facts["wrong"]]
     off = {name: warning(f"{name} is off: {why}") for name, why in facts["off"]}
     found = [one for one in facts["found"] if one["whose"] not in off]
     if found and not any(one["types"] for one in found):

@@ -2,7 +2,3 @@
 
 It holds no session of any robot, so that it cannot command one. It may import what `apps` may.
 """
-
-from edgevox.apps.fleet.serve import FLEET_PORT, serve_fleet
-
-__all__ = ["FLEET_PORT", "serve_fleet"]

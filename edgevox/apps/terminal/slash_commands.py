@@ -7,7 +7,6 @@ from pathlib import Path
 
 from edgevox.agent.conversation import Conversation
 from edgevox.agent.skills import Skill
-from edgevox.apps.agent.snapshot import check_picture, write_picture
 from edgevox.apps.console_command import shown_code
 from edgevox.apps.folders import console_folder
 from edgevox.core.commands import Interrupt, Reset
@@ -17,6 +16,7 @@ from edgevox.core.files.text import one_line, printable
 from edgevox.core.motion.software_stop import SoftwareStop
 from edgevox.core.settings import Settings
 from edgevox.robots.capabilities import Body, HasMap
+from edgevox.robots.pictures import check_picture, write_picture
 
 MAP_COLUMNS = 60
 NO_ROBOT = "No robot is running."

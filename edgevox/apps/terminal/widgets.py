@@ -28,7 +28,8 @@ from textual.widgets import Footer, Input, RichLog, Static
 
 from edgevox.core.events import State, TurnMeasured
 from edgevox.core.files.text import one_line, printable
-from edgevox.robots.capabilities import Body, HasBattery, HasMap, HasPlaces, HasPose
+from edgevox.robots.battery import charge_of
+from edgevox.robots.capabilities import Body, HasMap, HasPlaces, HasPose
 
 MOST_LINES = 2000
 """Lines of the conversation, or of the log, that are kept."""
@@ -320,7 +321,7 @@ def look_at(body: Body | None, name: str, map_columns: int) -> RobotNow:
     return RobotNow(
         one_line(name),
         _place(body) if isinstance(body, HasPose) else "",
-        body.battery() if isinstance(body, HasBattery) else None,
+        charge_of(body),
         printable(body.draw_map(map_columns)) if map_columns and isinstance(body, HasMap) else "",
     )
 

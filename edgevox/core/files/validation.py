@@ -1,13 +1,14 @@
 """Conversion of pydantic's errors to `InvalidValue`: the field, its value and the expectation."""
 
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from types import MappingProxyType
 
 from pydantic import ValidationError
-from pydantic_core import InitErrorDetails, PydanticCustomError
+from pydantic_core import ErrorDetails, InitErrorDetails, PydanticCustomError
 
-from edgevox.core.errors import InvalidValue
+from edgevox.core.errors import InvalidFile, InvalidValue
 
 Place = tuple[str | int, ...]
 """The way to a value inside others: keys of mappings, indices of lists."""
@@ -17,6 +18,8 @@ _EXPECTED = {
     "extra_forbidden": "no such key",
     **dict.fromkeys(("model_type", "dataclass_type", "dict_type"), "a mapping, key to value"),
 }
+_TEXT_TYPES = ("string_type", "invalid_key")
+_QUOTE = "quote it, because YAML reads no, off, yes and on as true or false"
 
 
 def explain(
@@ -28,11 +31,74 @@ def explain(
 
     `other` maps pydantic's error types to expectations that replace those of this module.
     """
-    first = error.errors(include_url=False)[0]
-    said = first["msg"].removeprefix("Value error, ").removeprefix("Input should be ")
-    value = None if first["type"] == "missing" else _without_password(first["input"])
-    expected = {**_EXPECTED, **other}.get(first["type"], said)
-    return InvalidValue(name(first["loc"]), value, expected)
+    return explain_all(error, name, other)[0]
+
+
+def explain_all(
+    error: ValidationError,
+    name: Callable[[Place], str],
+    other: Mapping[str, str] = MappingProxyType({}),
+) -> list[InvalidValue]:
+    """All problems, as `explain` returns the first; each field once.
+
+    Where a value may be of several kinds, the kind that it fits best tells what is wrong.
+    """
+    errors = error.errors(include_url=False)
+    fields = [name(one["loc"]) for one in errors]
+    found: dict[str, InvalidValue] = {}
+    for field, one in zip(fields, errors, strict=True):
+        inner = any(other.startswith(f"{field}.") for other in fields)
+        if not (inner and one["loc"] and names_a_kind(one["loc"][-1])):
+            found.setdefault(field, _explained(field, one, other))
+    return list(found.values())
+
+
+_KIND = re.compile(r"(bool|int|float|str|[A-Z]\w*|[a-z-]+\[.*\]|constrained-\w+)")
+
+
+def names_a_kind(part: str | int) -> bool:
+    """True for the name of one of several kinds that a value may be, as pydantic adds it."""
+    return isinstance(part, str) and _KIND.fullmatch(part) is not None
+
+
+def _explained(field: str, one: ErrorDetails, other: Mapping[str, str]) -> InvalidValue:
+    said = one["msg"].removeprefix("Value error, ").removeprefix("Input should be ")
+    value = None if one["type"] == "missing" else _without_password(one["input"])
+    expected = {**_EXPECTED, **other}.get(one["type"], said)
+    if one["type"] in _TEXT_TYPES and isinstance(value, bool):
+        expected += f": {_QUOTE}"
+    return InvalidValue(field, value, expected)
+
+
+def told(problems: Sequence[InvalidValue]) -> InvalidValue:
+    """These problems, of which there is one at least, as one error."""
+    return problems[0] if len(problems) == 1 else InvalidFile(problems)
+
+
+class Problems:
+    """Collects what is wrong with the parts of a file, so that all of it is told at once."""
+
+    def __init__(self, found: Iterable[InvalidValue] = ()) -> None:
+        self.found: list[InvalidValue] = list(found)
+
+    @contextmanager
+    def collect(self) -> Iterator[None]:
+        """Keep the problems of this part, instead of raising them."""
+        try:
+            yield
+        except InvalidValue as error:
+            self.found += error.problems
+
+    def tell(self) -> None:
+        """Raise `InvalidValue` if there are any, in the order of their lines."""
+        if self.found:
+            raise told(sorted(self.found, key=_line_of))
+
+
+def _line_of(problem: InvalidValue) -> int:
+    """The line that a field is in, by its name; 0 if it names none."""
+    named = re.match(r"[^:]*:(\d+):", problem.field)
+    return int(named[1]) if named else 0
 
 
 def wrong(place: Place, value: object, expected: str) -> ValidationError:

@@ -11,7 +11,7 @@ from pydantic import BaseModel, ValidationError
 
 from edgevox.core.errors import InvalidValue
 from edgevox.core.files.user_file import LARGEST_TEXT_BYTES
-from edgevox.core.files.validation import Place, dotted, explain
+from edgevox.core.files.validation import Place, dotted, explain_all, names_a_kind, told
 
 M = TypeVar("M", bound=BaseModel)
 
@@ -106,10 +106,29 @@ def parse_yaml(text: str, name: str) -> Any:
             raise InvalidValue(name, text[:200], "aliases that do not multiply")
     except _KeyTwice as error:
         raise InvalidValue(name, error.key, error.expected) from None
+    except yaml.MarkedYAMLError as error:
+        raise _no_yaml(error, text, name) from None
     except (yaml.YAMLError, RecursionError, ValueError) as error:
         reason = " ".join(str(error).split())
         raise InvalidValue(name, text[:200], f"valid YAML ({reason[:300]})") from None
     return data
+
+
+def _no_yaml(error: yaml.MarkedYAMLError, text: str, name: str) -> InvalidValue:
+    """The error of a text that is no YAML, at the line where its reader gave up."""
+    mark = error.problem_mark or error.context_mark
+    lines = text.splitlines()
+    if mark is None or mark.line >= len(lines):
+        return InvalidValue(name, text[:200], f"valid YAML ({error.problem or error.context})")
+    line, at = lines[mark.line], mark.column
+    advice = "; quote a text with any of { } [ ] , # or a colon" if _SIGNS.search(line) else ""
+    shown = line[max(0, at - 60) : at + 60].strip()
+    reason = f"valid YAML ({error.problem}, column {at + 1}){advice}"
+    return InvalidValue(f"{name}:{mark.line + 1}", shown, reason)
+
+
+_SIGNS = re.compile(r"[{}\[\],#]|: .*:")
+"""Signs that mean something in YAML."""
 
 
 def _open_at_once(text: str) -> int:
@@ -163,7 +182,7 @@ class YamlFile:
         """The error to raise for a validation error in this place."""
         if self._whole is None:
             return InvalidValue(self.name, "", "a mapping, key to value: the file is empty")
-        return explain(error, lambda inner: self.field((*place, *inner)), _EXPECTED)
+        return told(explain_all(error, lambda inner: self.field((*place, *inner)), _EXPECTED))
 
     def wrong(self, place: Place, value: object, expected: str) -> InvalidValue:
         """The error to raise for a value at this place that no model can judge alone."""
@@ -178,7 +197,9 @@ class YamlFile:
         """The place without pydantic's additions: tags, marks of keys, indices of non-lists."""
         data, before = self._whole, None
         for part in place:
-            tag = part in self._tags and isinstance(before, int)
+            tag = (part in self._tags and isinstance(before, int)) or (
+                names_a_kind(part) and not (isinstance(data, Mapping) and part in data)
+            )
             index = isinstance(part, int) and isinstance(data, Mapping) and part not in data
             before = part
             if tag or index or part == "[key]":

@@ -62,7 +62,10 @@ PARTS = (
     "camera",
     "metrics",
 )
-BAD_REQUESTS = ("http", "tls", "connection", "cookie", "origin", "code", "message", "crowd")
+BAD_REQUESTS = (
+    *("http", "tls", "connection", "cookie", "origin"),
+    *("host", "code", "message", "crowd"),
+)
 MODELS = ("stt", "llm", "tts")
 
 SIMULATED, MOVES = "a simulated body", "an agent with a body"

@@ -13,9 +13,8 @@ from edgevox.core.errors import InvalidValue
 from edgevox.core.files.user_file import open_file
 from edgevox.core.transforms import Pose2D, compose, lift, pitch
 from edgevox.robots.capabilities import Twist2D
-from edgevox.robots.humanoid.kinematic_walker import KinematicWalker
-from edgevox.robots.humanoid.physics_walker import PhysicsWalker, fit_servos
 from edgevox.robots.humanoid.walker import Walker, WalkerLimits
+from edgevox.robots.humanoid.walkers import KinematicWalker, PhysicsWalker, fit_servos
 from edgevox.robots.humanoid.walking_policy import STAND, WalkingCommand, WalkingPolicy
 from edgevox.robots.mujoco.renderer import Snapshot
 

@@ -21,15 +21,12 @@ _OF_DRIVES = frozenset({"locations", "max_angular", "max_linear"})
 
 def _build(settings: Settings, _speed: float | None) -> Body:
     from edgevox.ros2.external.settings import ExternalSettings
-    from edgevox.ros2.robot_file.format import NO_FILE, load_robot_file
+    from edgevox.ros2.robot_file.load import NO_FILE
 
-    described = load_robot_file(settings.robot_file) if settings.robot_file else NO_FILE
-    drives = described.robot.drives
-    places = described.places(settings) if drives else {}
     check_environment(os.environ)
     try:
         from edgevox.ros2.external.robot import ExternalRobot, StationaryRobot
-        from edgevox.ros2.robot_file.skills import described_skills
+        from edgevox.ros2.robot_file.skills import LoadedFile, load_described
     except ModuleNotFoundError as error:
         if (error.name or "").partition(".")[0].startswith("edgevox"):
             raise
@@ -37,18 +34,24 @@ def _build(settings: Settings, _speed: float | None) -> Body:
             f"robot-external needs ROS 2, and {error.name} cannot be imported: source ROS 2's "
             f"setup.bash, or {install_extra('ros2')}"
         ) from error
+    loaded = load_described(settings.robot_file) if settings.robot_file else LoadedFile(NO_FILE)
+    described = loaded.described
+    drives = described.robot.drives
+    places = described.places(settings) if drives else {}
     namespace = described.namespace(settings)
-    skills = described_skills(described.robot, described.file)
+    for name, reason in loaded.off.items():
+        log.warning("skill_off", skill=name, reason=reason)
     robot: ExternalRobot | StationaryRobot
     if drives:
         how = ExternalSettings(
             steering=described.steering(settings), remappings=tuple(described.remappings)
         )
-        robot = ExternalRobot(namespace, places, how, described=skills)
+        robot = ExternalRobot(namespace, places, how, described=loaded.skills, states=loaded.states)
     else:
         _tell_unread(settings)
-        robot = StationaryRobot(namespace, skills)
+        robot = StationaryRobot(namespace, loaded.skills, states=loaded.states)
     robot.about, robot.own_policy = described.robot.about, described.policy
+    robot.skills_off, robot.file_sentences = loaded.off, described.sentences
     return robot
 
 

@@ -25,8 +25,7 @@ from edgevox.core.clock import Clock
 from edgevox.core.errors import InvalidValue, Refusal
 from edgevox.core.log import get_logger, worth_a_line
 from edgevox.core.transforms import BASE, MAP, ODOM, ORIGIN, Pose2D, compose, lift, project, rigid
-from edgevox.robots.capabilities import LidarScan, Twist2D
-from edgevox.robots.occupancy_map import FREE, OCCUPIED, UNKNOWN, OccupancyMap
+from edgevox.robots.capabilities import FREE, OCCUPIED, UNKNOWN, LidarScan, OccupancyMap, Twist2D
 from edgevox.ros2.contract_rows import latched, lossy, reliable
 from edgevox.ros2.external.camera import CameraInput
 from edgevox.ros2.external.motion import PoseEstimate
@@ -76,7 +75,8 @@ class MapInput:
         self._newest: tuple[OccupancyMap, str] | None = None
         self._lock = threading.Lock()
         self._heard_ns: deque[int] = deque(maxlen=8)
-        types.follow(MAP_TOPIC, {DRIVEN[MAP_TOPIC].type: partial(self._open, node)})
+        ways = {DRIVEN[MAP_TOPIC].type: partial(self._open, node)}
+        types.follow(MAP_TOPIC, ways, least=reliable(1))
 
     def newest(self) -> tuple[OccupancyMap, str] | None:
         """The map and the frame that it is in; None before the first. May take long."""

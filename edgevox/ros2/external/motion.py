@@ -20,9 +20,8 @@ from edgevox.agent.text.reasons import because
 from edgevox.core.transforms import Pose2D, lift, turn_between
 from edgevox.robots.capabilities import LidarScan, Twist2D
 from edgevox.robots.command_mux import STILL
-from edgevox.robots.lidar import blocked
 from edgevox.robots.path_follower import PathFollower
-from edgevox.robots.relative_motion import Lookout
+from edgevox.robots.relative_motion import Lookout, blocked
 from edgevox.ros2.clients import type_name
 from edgevox.ros2.external.settings import Jump, Patience, SteeringLimits
 from edgevox.ros2.external.topic_types import Close, TopicTypes

@@ -211,6 +211,8 @@ def _moved(one: Pose2D, other: Pose2D) -> bool:
 RECALL_EVERY_S = 0.25
 """A goal on its way when it was cancelled would survive it: so it is cancelled again."""
 HOLD_AT_LEAST_S = 1.0
+LATE_S = 0.5
+"""After a pause of the loop this long, messages of the meantime may wait to be read."""
 
 
 class ZeroVelocity(Motion):
@@ -247,6 +249,8 @@ class ControlLoop:
         self.hold.end()
         self._senses, self._wheels, self._goals = senses, wheels, goals
         self._clock, self._obey_s = clock, obey_s
+        self._ticked_s = clock.now()
+        self._reads_first = False
 
     def start(self, drive: ExternalMotion, estimate: PoseEstimate) -> None:
         """Drive from now on. What takes goals drops the old one for the new one by itself.
@@ -269,10 +273,17 @@ class ControlLoop:
         self._wheels.turn(self.mux.limit(twist))
 
     def tick(self) -> None:
-        """Go on with what is asked."""
+        """Go on with what is asked.
+
+        The first tick after a pause leaves a drive to the next one, when what the robot said
+        meanwhile has been read: it is not silent because EdgeVox did not listen.
+        """
         now_s, drive = self._clock.now(), self.mux.motion
+        late, self._ticked_s = now_s - self._ticked_s > LATE_S, now_s
+        self._reads_first = late and not self._reads_first
         if drive is not None:
-            self._go_on(drive, now_s)
+            if not self._reads_first:
+                self._go_on(drive, now_s)
         elif not self.hold.done:
             self._hold_on(self.hold, now_s)
 

@@ -22,10 +22,10 @@ from edgevox.core.clock import Clock, SystemClock
 from edgevox.core.errors import finite
 from edgevox.core.log import get_logger
 from edgevox.core.transforms import MAP, Pose2D
-from edgevox.robots.capabilities import Report, SpeedLimit, Twist2D
+from edgevox.robots.battery import battery_skill
+from edgevox.robots.capabilities import HasBattery, OccupancyMap, Report, SpeedLimit, Twist2D
 from edgevox.robots.limits import Bounds
 from edgevox.robots.navigation import LOCATION, navigation_skills
-from edgevox.robots.occupancy_map import OccupancyMap
 from edgevox.robots.places.memory import PlaceMemory
 from edgevox.robots.relative_motion import Course, StraightCourse, TurnCourse
 from edgevox.robots.relative_skills import driving_skills, where
@@ -50,6 +50,7 @@ from edgevox.ros2.external.robot_node import RobotNode
 from edgevox.ros2.external.settings import FURTHEST_M, ExternalSettings, Location, SteeringLimits
 from edgevox.ros2.node import RosNode
 from edgevox.ros2.robot_file.skills import DescribedSkill
+from edgevox.ros2.robot_file.state import NO_STATES, RobotStates
 from edgevox.ros2.stamps import NS_PER_S
 
 log = get_logger(__name__)
@@ -74,6 +75,9 @@ class ExternalRobot:
     """Its name and purpose, if its robot file gives them."""
     own_policy: Path | Policy | None = None
     """The policy that its file names or holds, for where no setting names one."""
+    skills_off: Mapping[str, str] = MappingProxyType({})
+    file_sentences: Mapping[tuple[str, str, str], str] = MappingProxyType({})
+    """What it has of a file; see `FromFile`."""
 
     def __init__(
         self,
@@ -82,6 +86,7 @@ class ExternalRobot:
         settings: ExternalSettings | None = None,
         *,
         described: Sequence[DescribedSkill] = (),
+        states: RobotStates = NO_STATES,
         clock: Clock | None = None,
     ) -> None:
         self._namespace = namespace
@@ -99,19 +104,24 @@ class ExternalRobot:
         names = {name: one.names for name, one in self._locations.items()}
         known = OneOf(tuple(self._places), aliases, names=names)
         self.place_memory = PlaceMemory(namespace, known)
-        self._described = described
+        self._described, self._states = described, states
+        if states.has_battery:  # else it has none that could be asked for
+            self.battery = states.battery
         self.ros = AgentNodeHandle(self._clock)
         """Access to its node, for skills."""
         own = navigation_skills(
             self, aliases=aliases, word=LOCATION, memory=self.place_memory, names=names
         )
-        taken = {one.name for one in described}
+        its = [one.skill() for one in described]
+        taken = {one.name for one in its}
         self._skills = (
+            # Before ours: its owner's sentences count first, unless they take any words.
+            *(one for one in its if not one.free_text),
             *(
                 replace(one, function=self._stop_and_see) if one.name == STOP else one
                 for one in own
             ),
-            *(one.skill() for one in described),  # before ours: its owner's sentences count first
+            *(one for one in its if one.free_text),
             *(one for one in driving_skills(self) if one.name not in taken),
         )
 
@@ -172,7 +182,7 @@ class ExternalRobot:
             self._settings,
             self._clock,
             self._lock,
-            described=self._described,
+            described=(*self._described, self._states),
             handle=self.ros,
         )
         self._robot_node.control.mux.limit = self._limit
@@ -344,6 +354,7 @@ class ExternalRobot:
     ) -> ExternalMotion:
         """Begin a motion, unless a stop came before; what takes goals is known by then."""
         stops = self._stops
+        self._states.check_driving(token)
         backend = robot_node.choose(token)
         with self._lock:
             if self._stops != stops:
@@ -421,16 +432,28 @@ class StationaryRobot:
     """Its name and purpose, if its robot file gives them."""
     own_policy: Path | Policy | None = None
     """The policy that its file names or holds, for where no setting names one."""
+    skills_off: Mapping[str, str] = MappingProxyType({})
+    file_sentences: Mapping[tuple[str, str, str], str] = MappingProxyType({})
+    """What it has of a file; see `FromFile`."""
 
     def __init__(
-        self, namespace: str, described: Sequence[DescribedSkill], clock: Clock | None = None
+        self,
+        namespace: str,
+        described: Sequence[DescribedSkill],
+        clock: Clock | None = None,
+        *,
+        states: RobotStates = NO_STATES,
     ) -> None:
-        self._namespace, self._described = namespace, described
+        self._namespace = namespace
+        self._described: Sequence[DescribedSkill | RobotStates] = (*described, states)
+        if states.has_battery:
+            self.battery = states.battery
         self._clock = clock or SystemClock()
         self._node: RosNode | None = None
         self.ros = AgentNodeHandle(self._clock)
         """Access to its node, for skills."""
-        self._skills = (_stop(), *(one.skill() for one in described))
+        asked = (battery_skill(self),) if isinstance(self, HasBattery) else ()
+        self._skills = (_stop(), *(one.skill() for one in described), *asked)
 
     @property
     def skills(self) -> tuple[Skill, ...]:
@@ -450,7 +473,7 @@ class StationaryRobot:
 
     def start(self) -> None:
         """Join the graph. Raises `RosBridgeFailed` where that cannot be done."""
-        self._node = RosNode(self._namespace, name=EXTERNAL_NODE)
+        self._node = RosNode(self._namespace, name=EXTERNAL_NODE, own_name=True)
         for one in self._described:
             one.open(self._node.node, self._clock)
         self.ros.open(self._node.node)

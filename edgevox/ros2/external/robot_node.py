@@ -39,6 +39,7 @@ from edgevox.ros2.external.topic_types import TopicTypes
 from edgevox.ros2.messages import header
 from edgevox.ros2.node import RosNode
 from edgevox.ros2.robot_file.skills import DescribedSkill
+from edgevox.ros2.robot_file.state import RobotStates
 from edgevox.ros2.stamps import NS_PER_S, to_msg
 
 log = get_logger(__name__)
@@ -62,12 +63,12 @@ class RobotNode:
         clock: Clock,
         lock: AbstractContextManager[object],
         *,
-        described: Sequence[DescribedSkill] = (),
+        described: Sequence[DescribedSkill | RobotStates] = (),
         handle: AgentNodeHandle | None = None,
     ) -> None:
         self._settings, self._clock, self._lock = settings, clock, lock
         ros_args = [*sys.argv, *settings.remappings] if settings.remappings else ()
-        self._ros = RosNode(namespace, ros_args, name=EXTERNAL_NODE)
+        self._ros = RosNode(namespace, ros_args, name=EXTERNAL_NODE, own_name=True)
         node = self._ros.node
         self.types = TopicTypes(node)
         steering = settings.steering
@@ -122,7 +123,8 @@ class RobotNode:
         """Choose how to drive now: by goals, or by steering if no node takes goals.
 
         The graph decides. Just after the start, the robot may not be discovered yet; this waits
-        until it is, or until discovery has taken long enough. Raises `Cancelled`.
+        until it is, or until discovery has taken long enough. A robot that is silent may also just
+        be heard late: it has `SILENT_S` more. Raises `Cancelled`.
         """
         self._wait(token, lambda: not self._cancel.pending, self._clock.now() + LOST_S)
         self._wait(
@@ -130,6 +132,9 @@ class RobotNode:
             lambda: self._takers[0].available() and self.senses.estimate() is not None,
             self._discovered_s,
         )
+        if self.senses.odometry_history.newest():
+            until_s = self._clock.now() + SILENT_S
+            self._wait(token, lambda: self.senses.estimate() is not None, until_s)
         return next((one for one in self._takers if one.available()), self._steering)
 
     def check_wheels(self) -> None:
@@ -156,7 +161,9 @@ class RobotNode:
         return f"nothing is heard on {self.senses.odom_topic}{self._hint('odom')}"
 
     def _hint(self, topic: str) -> str:
-        """Other topics that the robot may mean by this one, in brackets; empty without any."""
+        """Why nothing comes through, or other topics that the robot may mean, in brackets."""
+        if barrier := self.types.barrier(topic):
+            return f" ({barrier})"
         there = self.types.elsewhere(topic)
         return f" (there is {', '.join(there)}: name it in a robot file's topics)" if there else ""
 

@@ -16,13 +16,15 @@ from functools import partial
 from typing import Any
 
 from rclpy.node import Node
+from rclpy.qos import QoSProfile
 
 from edgevox.agent.skills import SkillFailed
 from edgevox.agent.text.reasons import because
 from edgevox.core.log import get_logger
 from edgevox.core.reason import Reason
 from edgevox.ros2.clients import type_name
-from edgevox.ros2.messages import profile
+from edgevox.ros2.contract_rows import QosSpec
+from edgevox.ros2.messages import as_on_the_graph, profile, unheard
 from edgevox.ros2.standard_topics import DRIVEN
 
 log = get_logger(__name__)
@@ -70,18 +72,24 @@ class _End:
     close: Close
     ways_beside: Mapping[str, Open]
     """How to open another beside it, by type; empty where the newest type alone is used."""
+    apart: Callable[[QoSProfile], str]
+    """Why an end of the robot with this quality of service and EdgeVox's get nothing through."""
     beside: dict[str, Close] = field(default_factory=dict)
     seen: dict[bytes, int] = field(default_factory=dict)
     """When each of the robot's ends was first seen, in looks."""
     types: tuple[str, ...] = ()
     """All types that are there."""
     unfit: UnfitTopic | None = None
+    barrier: str = ""
+    """Why nothing gets through, by the quality of service; empty where something does."""
 
     @property
     def doubt(self) -> str:
         """What is not as it should be, in a few words; empty without anything."""
         if self.unfit:
             return str(self.unfit)
+        if self.barrier:
+            return f"nothing gets through on {self.topic}: {self.barrier}"
         return f"{self.topic} has the types {' and '.join(self.types)}" if self.types[1:] else ""
 
 
@@ -97,20 +105,23 @@ class TopicTypes:
         self._looks = 0
 
     def follow(
-        self, topic: str, ways: Mapping[str, Open], beside: Mapping[str, Open] | None = None
+        self,
+        topic: str,
+        ways: Mapping[str, Open],
+        beside: Mapping[str, Open] | None = None,
+        *,
+        least: QosSpec | None = None,
     ) -> None:
         """Open an end of a topic of the contract, with the usual type until the robot is seen.
 
         `ways` has a way for every type of the topic's row, and `beside` one to open it beside the
-        first where all types that are there are to be used.
+        first where all types that are there are to be used. `least` is the lowest quality of
+        service that is opened, if that is another than the row's.
         """
         row, node = DRIVEN[topic], self._node
-        usual = row.type
-        there = (
-            node.get_publishers_info_by_topic
-            if row.direction == "in"
-            else node.get_subscriptions_info_by_topic
-        )
+        usual, ours = row.type, as_on_the_graph(profile(least or row.qos))
+        into = row.direction == "in"
+        there = node.get_publishers_info_by_topic if into else node.get_subscriptions_info_by_topic
         self._ends[topic] = _End(
             node.resolve_topic_name(topic),
             there,
@@ -118,6 +129,7 @@ class TopicTypes:
             usual,
             ways[usual](),
             beside or {},
+            lambda theirs: unheard(theirs, ours) if into else unheard(ours, theirs),
         )
 
     def look(self) -> None:
@@ -136,9 +148,13 @@ class TopicTypes:
         return [end.doubt for end in self._ends.values() if end.doubt]
 
     def is_there(self, topic: str) -> bool:
-        """Return whether the robot has an end of it now."""
+        """Return whether the robot has an end of it now that something gets through to."""
         end = self._ends[topic]
-        return bool(end.ends_there(end.topic))
+        return any(not end.apart(one.qos_profile) for one in end.ends_there(end.topic))
+
+    def barrier(self, topic: str) -> str:
+        """Why nothing gets through to the robot's ends, by their quality of service; or empty."""
+        return self._ends[topic].barrier
 
     def close(self) -> None:
         """Close what is open beside the first ends; those are their node's."""
@@ -160,7 +176,10 @@ class TopicTypes:
         there = {bytes(one.endpoint_gid): one.topic_type for one in infos}
         end.seen = {gid: end.seen.get(gid, self._looks) for gid in there}
         fit = [gid for gid in there if there[gid] in end.ways]
-        self._judge(end, tuple(sorted(set(there.values()))), fits=bool(fit) or not there)
+        barriers = [end.apart(one.qos_profile) for one in infos if one.topic_type in end.ways]
+        barrier = barriers[0] if barriers and all(barriers) else ""
+        types = tuple(sorted(set(there.values())))
+        self._judge(end, types, barrier, fits=bool(fit) or not there)
         if not fit:
             return
         order = list(end.ways)
@@ -186,15 +205,12 @@ class TopicTypes:
         end.close()
         end.type, end.close = type_, end.ways[type_]()
 
-    def _judge(self, end: _End, types: tuple[str, ...], *, fits: bool) -> None:
+    def _judge(self, end: _End, types: tuple[str, ...], barrier: str, *, fits: bool) -> None:
         before = end.doubt
-        end.types = types
+        end.types, end.barrier = types, barrier
         end.unfit = None if fits else UnfitTopic(end.topic, types, tuple(end.ways))
         if end.doubt and end.doubt != before:
-            expected = _either(end.ways)
-            log.warning(
-                "topic_type_unfit", topic=end.topic, type=", ".join(types), expected=expected
-            )
+            log.warning("topic_unfit", topic=end.topic, reason=end.doubt)
 
 
 def listening(

@@ -7,7 +7,17 @@ from typing import Any
 
 from edgevox.core.errors import EdgeVoxError
 from edgevox.core.log import get_logger
-from edgevox.core.status import Finding, HealthCheck, Level, Status, lives, moves
+from edgevox.core.status import (
+    Components,
+    Finding,
+    HealthCheck,
+    Level,
+    RecentIncrease,
+    Status,
+    lives,
+    moves,
+)
+from edgevox.ros2.bridge import DiagnosticsPublisher
 from edgevox.ros2.contract import RECORDER_NODE
 from edgevox.ros2.node import RosNode
 from edgevox.ros2.recorder.disk import Disk, WriteQueue, Writing
@@ -15,6 +25,7 @@ from edgevox.ros2.recorder.mcap import RecordedMessage, definition
 from edgevox.ros2.recorder.mend import mend_recordings
 from edgevox.ros2.recorder.recorded_topics import Recorded, message_class
 from edgevox.ros2.recordings import UPLOAD_FAILED
+from edgevox.ros2.ticker import Ticker
 
 log = get_logger(__name__)
 
@@ -48,16 +59,21 @@ class Recorder:
             name="edgevox-mending",
         )
         self.ros = RosNode(namespace, ros_args, name=RECORDER_NODE)
+        self._ticker = Ticker("edgevox-recorder-diagnostics")
+        self._losing = RecentIncrease()
+        self._report()
         self.topics = tuple(topic for topic in topics if self._listen(topic))
 
     def start(self) -> None:
         self._writing.start()
         self._mending.start()
         self.ros.start()
+        self._ticker.start()
 
     def close(self) -> None:
         """Receive nothing more, and write the rest."""
         self._closing.set()
+        self._ticker.close()
         self.ros.close()
         self._writing.close()
         if self._mending.is_alive():
@@ -76,6 +92,10 @@ class Recorder:
         """Return the current status."""
         upload_failed = self._upload_failed.exists()
         findings = [Finding(Level.ERROR, self.fault)] if self.fault else []
+        dropped = sum(self.dropped.values())
+        if self._losing.grew(dropped):
+            text = f"the disk is too slow: {dropped} messages lost by now"
+            findings.append(Finding(Level.WARN, text))
         if upload_failed:
             findings.append(Finding(Level.WARN, "the upload fails: see the uploader's log"))
         return Status.judged(
@@ -84,7 +104,7 @@ class Recorder:
             well="records",
             upload_failed=upload_failed,
             written_messages=self.written,
-            dropped_messages=sum(self.dropped.values()),
+            dropped_messages=dropped,
             used_bytes=self._writing.room.used_bytes,
             free_bytes=self._writing.room.free_bytes,
         )
@@ -113,6 +133,13 @@ class Recorder:
     def dropped(self) -> Mapping[str, int]:
         """The number of messages that were lost, by topic."""
         return dict(self._inbox.dropped)
+
+    def _report(self) -> None:
+        """Tell its status on /diagnostics. An enclave of an older EdgeVox has no right to."""
+        try:
+            DiagnosticsPublisher(self.ros.node, Components(self), self._ticker)
+        except RuntimeError as error:
+            log.warning("recorder_undiagnosed", reason=str(error))
 
     def _listen(self, topic: Recorded) -> bool:
         try:

@@ -5,23 +5,30 @@ Also here: the words for a skill's values, in each language.
 
 from collections.abc import Iterator, Mapping
 from string import Formatter
-from typing import Annotated, Any
+from typing import Annotated, Any, Protocol
 
 from pydantic import BaseModel, ConfigDict, Field, create_model
 
 from edgevox.agent.skills import OneOf
-from edgevox.core.files.validation import Place
+from edgevox.agent.text.words import OTHER, bare
+from edgevox.core.files.validation import Place, Problems
 from edgevox.core.files.yaml_file import YamlFile, value_key
+from edgevox.core.reason import Named, Reason, in_english
 from edgevox.ros2.robot_file.format import Argument, Sentences, SkillEntry
-from edgevox.ros2.robot_file.messages import is_primitive, is_text
+from edgevox.ros2.robot_file.messages import converted, is_primitive, is_text
 from edgevox.ros2.robot_file.steps import Meaning
 
 _TRUTH, _NUMBER, _TEXT = "boolean", "number", "text"
 _TRUTHS = ("true", "false")
-_FORMATTED = ("says", "asks", "done")
+_FORMATTED = ("says", "asks", "done", "failed")
 
 
-def every_language(entry: SkillEntry, at: Place) -> Iterator[tuple[Place, Sentences]]:
+def every_language(entry: SkillEntry) -> Iterator[Sentences]:
+    """Yield the sentences of a skill, English first."""
+    yield from (entry, *entry.languages.values())
+
+
+def every_language_at(entry: SkillEntry, at: Place) -> Iterator[tuple[Place, Sentences]]:
     """Yield the sentences of the skill `at` this place, English first, each with its place."""
     yield at, entry
     for code, said in entry.languages.items():
@@ -37,26 +44,101 @@ def values_in(text: str) -> set[str]:
     return {str(name) for _, name, *_ in parts}
 
 
-def check_words(entry: SkillEntry, results: Mapping[str, str], file: YamlFile, at: Place) -> None:
-    """Raise `InvalidValue` for words of no value, and for a truth that is said without words.
+class Known(Protocol):
+    """What is known of the results of a skill."""
 
-    `results` are the types of all results, by their names.
-    """
-    kinds = _kinds(entry, results)
-    for place, said in every_language(entry, at):
+    results: dict[str, str]
+    """Their types, by their names."""
+    constants: dict[str, Mapping[str, Any]]
+    """The constants of their messages, by the results' names."""
+
+
+def check_words(
+    entry: SkillEntry, known: Known, file: YamlFile, at: Place, problems: Problems
+) -> None:
+    """Find words of no value, and a truth that is said without words."""
+    kinds = _kinds(entry, known.results)
+    for place, said in every_language_at(entry, at):
         for name, words in said.words.items():
             where = (*place, "words", name)
             if name not in kinds:
-                expected = "a result or an argument that is no choice: one of "
-                raise file.wrong(where, name, expected + (", ".join(kinds) or "none"))
+                if known.results.get(name) != "":
+                    expected = "a result or an argument that is no choice: one of "
+                    wrong = file.wrong(where, name, expected + (", ".join(kinds) or "none"))
+                    problems.found.append(wrong)
+                continue
             for value in words:
+                constants = known.constants.get(name, {})
+                if value in (OTHER, *constants):
+                    continue
                 if expected := _unlike(kinds[name], value):
-                    raise file.wrong((*where, value), value, expected)
+                    expected += ", or a constant: " * bool(constants) + ", ".join(constants)
+                    problems.found.append(file.wrong((*where, value), value, expected))
         for key in _FORMATTED:
-            for name in sorted(values_in(getattr(said, key))):
-                if kinds.get(name) == _TRUTH and set(_TRUTHS) - said.words.get(name, {}).keys():
-                    expected = f'words for it: words: {{{name}: {{"true": ..., "false": ...}}}}'
-                    raise file.wrong((*place, key), name, expected)
+            with problems.collect():
+                _check_truths(said, key, kinds, file, (*place, key))
+
+
+def _check_truths(
+    said: Sentences, key: str, kinds: Mapping[str, str], file: YamlFile, at: Place
+) -> None:
+    try:
+        names = sorted(values_in(getattr(said, key)))
+    except ValueError:  # told elsewhere
+        return
+    for name in names:
+        words = said.words.get(name, {}).keys()
+        if kinds.get(name) == _TRUTH and OTHER not in words and set(_TRUTHS) - words:
+            expected = f'words for it: words: {{{name}: {{"true": ..., "false": ...}}}}'
+            raise file.wrong(at, name, expected)
+
+
+REASON = "reason"
+"""What a sentence about a failure calls its usual reason."""
+
+
+def failure_of(entry: SkillEntry, found: Reason, values: Mapping[str, Any]) -> Reason:
+    """Return a failure in the file's words, in each language in which it has some.
+
+    `values` are all that are known: a sentence that names another is not said.
+    """
+    told = {
+        code: said.failed
+        for code, said in {"en": entry, **entry.languages}.items()
+        if said.failed and _all_known(said.failed, values)
+    }
+    if "en" not in told:
+        return found
+    named = set().union(*map(values_in, told.values()))
+    about: dict[str, Reason | Named | str | tuple[str, ...]] = {}
+    for name in named - {REASON}:
+        about[name] = _about(entry, name, values[name])
+    if REASON in named:
+        about[REASON] = found
+    english = {name: in_english(value) for name, value in about.items()}
+    text = told["en"].format(**english)
+    return Reason(text, found.code, about, told, is_sentence=True)
+
+
+def _all_known(sentence: str, values: Mapping[str, Any]) -> bool:
+    return all(
+        name == REASON or values.get(name) not in (None, "", []) for name in values_in(sentence)
+    )
+
+
+def _about(entry: SkillEntry, name: str, value: Any) -> Named | str | tuple[str, ...]:
+    """A value as reasons have it, with its words in each language."""
+    said = {"en": entry, **entry.languages}
+    words = {code: _word(one.words.get(name, {}), value) for code, one in said.items()}
+    if any(words.values()):
+        return Named(value_key(value), {code: one for code, one in words.items() if one})
+    if isinstance(value, list):
+        return tuple(map(value_key, value))
+    return bare(value_key(value))
+
+
+def _word(words: Mapping[str, str], value: Any) -> str:
+    return words.get(value_key(value)) or words.get(OTHER, "")
 
 
 def _kinds(entry: SkillEntry, results: Mapping[str, str]) -> dict[str, str]:
@@ -138,13 +220,13 @@ _NUMBERS = ("number", "integer")
 
 def _meaning(one: Argument, value: Any) -> Any:
     if one.type == "choice":
-        return one.meanings[value]
-    return value if one.times is None else value * one.times
+        return one.meanings.get(value, value)
+    return converted(value, one.times, one.plus)
 
 
 def _samples(one: Argument) -> list[Any]:
     if one.type == "choice":
-        return list(one.meanings)
+        return list(one.meanings) or [""]  # of a list that there is not, which is told by itself
     if one.type == "boolean":
         return [True, False]
     if one.type == "text":

@@ -1,73 +1,97 @@
-"""What a robot file may hold: a robot, its limits and places, and its skills; and its loader.
+"""What a robot file may hold: a robot, its limits and places, and its skills.
 
-namespace: /cleaner
-skills:
-  clean_room:
-    description: Clean a room.
-    action: {name: clean, type: cleaner_msgs/action/Clean}
-    request: {room: "{room}", passes: "{passes}"}
-
-Arguments:
-      room: {type: choice, values: [hall, office]}
-      passes: {type: integer, min: 1, max: 3, default: 1}
-    sentences: ["clean [the] {room} [{passes} times]"]
-    says: Cleaning the {room}.
-    done: The {room} is clean.
+`examples/robot_file/cleaner.yaml` has a skill of every kind.
 """
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any, Literal, TypeVar
 
 from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 
-from edgevox.agent.policy import Policy, PolicyFile
-from edgevox.core.files.user_file import read_text
+from edgevox.agent.policy import PolicyFile
 from edgevox.core.files.validation import wrong
-from edgevox.core.files.yaml_file import YamlFile, value_key
+from edgevox.core.files.yaml_file import value_key
 from edgevox.core.languages import LANGUAGES
-from edgevox.core.settings import Settings
 from edgevox.robots.names import LocalNames, check_told_apart
-from edgevox.ros2.external.settings import (
-    Location,
-    LocationsFile,
-    SteeringLimits,
-    load_locations,
-    read_locations,
-)
+from edgevox.ros2.external.settings import LocationsFile
 from edgevox.ros2.robot_file.steps import (
+    Comparison,
     GraphName,
     Meaning,
     Name,
     Number,
     Part,
+    ResultValue,
     Scalar,
     Step,
     StopStep,
+    Topic,
     Wait,
     Word,
+    Written,
     at_most,
     one_way,
     wanted_instead,
 )
 
+V = TypeVar("V")
 MOST_SKILLS = 100
+MOST_SHARED = 100
 MOST_ARGUMENTS = 20
 MOST_WORDS = 500
 MOST_STEPS = 20
 MOST_WATCHES = 5
-FOR_DRIVING = ("topics", "limits", "footprint", "places", "locations")
+MOST_STATES = 50
+MOST_NEEDS = 10
+BATTERY = "battery"
+"""The state that is the charge of the battery."""
+FOR_DRIVING = ("topics", "limits", "footprint", "places", "locations", "needs")
 """What a file says of how its robot drives, and where to."""
 
 
-class Argument(Part):
+class WordList(Part):
+    """Words to choose from.
+
+    `values` are the words, or map each word to its value in the request. `aliases` are other words
+    that people say, in any language; `names` are the names of a word by language.
+    """
+
+    values: Annotated[list[Word] | dict[Word, Meaning] | None, at_most(MOST_WORDS, "words")] = None
+    aliases: Mapping[Word, Word] = Field(default_factory=dict)
+    names: Mapping[Word, LocalNames] = Field(default_factory=dict)
+
+    @property
+    def meanings(self) -> Mapping[str, Meaning]:
+        """What each word stands for."""
+        values = self.values or []
+        return values if isinstance(values, dict) else {word: word for word in values}
+
+    @model_validator(mode="after")
+    def _knows_its_words(self) -> "WordList":
+        for said, word in self.aliases.items():
+            if word not in self.meanings:
+                raise wrong(("aliases", said), word, "one of " + ", ".join(self.meanings))
+        _told_apart(self)
+        return self
+
+
+class SharedList(WordList):
+    """A list of words that several skills take."""
+
+    @model_validator(mode="after")
+    def _has_words(self) -> "SharedList":
+        if not self.values:
+            raise wrong(("values",), self.values, "words")
+        return self
+
+
+class Argument(WordList):
     """An argument of a skill: a number, a whole number, true or false, a text, or a choice.
 
-    `values` of a choice are its words, or maps each word to its value in the request. `aliases` are
-    other words that people say, in any language; `names` are the names of a word by language.
-    EdgeVox multiplies a number by `times` for the request: 0.01 if people say percent and the robot
-    expects a fraction.
+    A choice has words of its own, or those of a `list` of the file.
+    EdgeVox multiplies a number by `times` for the request, 0.01 if people say percent and the robot
+    expects a fraction, and then adds `plus`. The result is rounded where the field is whole.
     """
 
     type: Literal["number", "integer", "boolean", "text", "choice"]
@@ -77,30 +101,21 @@ class Argument(Part):
     max: Number | None = None
     default: Scalar | None = None
     times: Number | None = None
-    values: Annotated[list[Word] | dict[Word, Meaning] | None, at_most(MOST_WORDS, "words")] = None
-    aliases: Mapping[Word, Word] = Field(default_factory=dict)
-    names: Mapping[Word, LocalNames] = Field(default_factory=dict)
-
-    @property
-    def meanings(self) -> Mapping[str, Meaning]:
-        """What each word of a choice stands for."""
-        values = self.values or []
-        return values if isinstance(values, dict) else {word: word for word in values}
+    plus: Number | None = None
+    list: Name | None = None
 
     @model_validator(mode="after")
     def _fits_its_type(self) -> "Argument":
-        if (self.type == "choice") != bool(self.values):
+        if self.list and (self.values or self.type != "choice"):
+            raise wrong(("list",), self.list, "nothing: it is for a choice without values")
+        if (self.type == "choice") != bool(self.values or self.list):
             raise wrong(("values",), self.values, "words, for a choice and for nothing else")
-        for said, word in self.aliases.items():
-            if word not in self.meanings:
-                raise wrong(("aliases", said), word, "one of " + ", ".join(self.meanings))
-        _told_apart(self)
-        for name in ("min", "max", "times"):
+        for name in ("min", "max", "times", "plus"):
             if getattr(self, name) is not None and self.type not in ("number", "integer"):
                 raise wrong((name,), getattr(self, name), "nothing: this is for numbers only")
         if self.min is not None and self.max is not None and self.min > self.max:
             raise wrong(("max",), self.max, f"no less than min, {self.min:g}")
-        if self.default is not None:
+        if self.default is not None and self.list is None:
             words = self.meanings
             expected = wanted_instead(self.default, self.type, words, self.min, self.max)
             if expected:
@@ -108,7 +123,7 @@ class Argument(Part):
         return self
 
 
-def _told_apart(one: Argument) -> None:
+def _told_apart(one: WordList) -> None:
     for word in one.names:
         if word not in one.meanings:
             raise wrong(("names", word), word, "one of " + ", ".join(one.meanings))
@@ -155,11 +170,59 @@ class Sentences(Part):
     )
 
 
-def _known_languages(by_code: dict[str, Sentences]) -> dict[str, Sentences]:
+def _known_languages(by_code: dict[str, V]) -> dict[str, V]:
     for code in by_code:
         if code not in LANGUAGES or code == "en":
             raise wrong((code,), code, "a code of " + ", ".join(sorted(set(LANGUAGES) - {"en"})))
     return by_code
+
+
+class Need(Comparison):
+    """A condition of a state, without which nothing begins; `failed` says what to do about it."""
+
+    state: Name
+    failed: Annotated[str, Field(min_length=1, max_length=200)]
+    languages: Annotated[dict[str, str], AfterValidator(_known_languages)] = Field(
+        default_factory=dict, description="`failed` in other languages"
+    )
+
+
+class StateEntry(Sentences):
+    """A value that the robot tells of itself: a field of a topic's newest message.
+
+    The robot answers "what is the height" with `done`. A state named `battery` is the charge from 0
+    to 1, which EdgeVox asks for, tells and compares by itself.
+    """
+
+    topic: GraphName
+    type: Word = Field(description="such as sensor_msgs/msg/BatteryState")
+    latched: bool = False
+    field: Word
+    times: Number | None = None
+    plus: Number | None = None
+    decimals: int = Field(3, ge=0, le=6)
+    unit: str = Field("", max_length=40)
+    description: str = Field("", max_length=100)
+    languages: Annotated[dict[str, Sentences], AfterValidator(_known_languages)] = Field(
+        default_factory=dict
+    )
+
+    @property
+    def said(self) -> frozenset[str]:
+        """The keys that a skill has as well."""
+        return frozenset({*Sentences.model_fields, "description", "languages"})
+
+    @property
+    def value(self) -> ResultValue:
+        """The value of a message."""
+        return ResultValue(
+            field=self.field, times=self.times, plus=self.plus, decimals=self.decimals
+        )
+
+    @property
+    def read(self) -> Topic:
+        """The topic, as a skill reads it."""
+        return Topic(name=self.topic, type=self.type, latched=self.latched)
 
 
 class SkillEntry(Step, Sentences):
@@ -178,6 +241,7 @@ class SkillEntry(Step, Sentences):
     steps: list[Step] = Field(default_factory=list, max_length=MOST_STEPS)
     stop: StopStep | None = None
     stops_on: list[Wait] = Field(default_factory=list, max_length=MOST_WATCHES)
+    needs: list[Need] = Field(default_factory=list, max_length=MOST_NEEDS)
     moves: bool | None = None
     confirm: bool = False
     languages: Annotated[dict[str, Sentences], AfterValidator(_known_languages)] = Field(
@@ -195,8 +259,13 @@ class SkillEntry(Step, Sentences):
         reads = all(step.read for step in self.every_step)
         return not reads if self.moves is None else self.moves
 
+    @property
+    def is_brief(self) -> bool:
+        """Whether all its steps usually end at once."""
+        return not any(map(_lasts, self.every_step))
+
     @model_validator(mode="after")
-    def _each_step_hasone_way(self) -> "SkillEntry":
+    def _each_step_has_one_way(self) -> "SkillEntry":
         if self.steps and self.ways:
             raise wrong((self.ways[0],), None, "nothing: the skill has steps")
         for index, step in enumerate(self.steps):
@@ -220,11 +289,21 @@ def _only_arguments(
             raise wrong((*place, "argument_names", name), name, known)
 
 
+def _lasts(step: Step) -> bool:
+    return bool(step.wait or step.action or (step.publish and step.publish.rate_hz))
+
+
 def _only_short(entry: SkillEntry) -> None:
     for step in entry.every_step:
-        if step.wait or step.action or (step.publish and step.publish.rate_hz):
+        if _lasts(step):
             expected = "true: what takes its time is a goal that a stop can end"
             raise wrong(("moves",), False, expected)
+
+
+class SharedPhrases(Part):
+    """What the sentences of all skills share in one language."""
+
+    rules: Mapping[Name, Template] = Field(default_factory=dict)
 
 
 class Limits(Part):
@@ -257,7 +336,12 @@ class RobotFile(Part):
 
     name: str = Field("", max_length=100, description="the robot's name")
     description: str = Field("", max_length=500, description="its purpose, in a sentence")
-    namespace: str = Field("/", pattern=r"^/([A-Za-z][A-Za-z0-9_]*(/[A-Za-z][A-Za-z0-9_]*)*)?$")
+    namespace: Annotated[
+        str,
+        Written(
+            r"^/([A-Za-z][A-Za-z0-9_]*(/[A-Za-z][A-Za-z0-9_]*)*)?$", "a namespace such as /robot1"
+        ),
+    ] = "/"
     drives: bool = Field(
         True, description="false for an arm, a lift and other robots that stay in place"
     )
@@ -270,6 +354,21 @@ class RobotFile(Part):
     locations: Path | None = None
     policy: PolicyFile | None = None
     policy_file: Path | None = None
+    state: Annotated[Mapping[Name, StateEntry], at_most(MOST_STATES, "states")] = Field(
+        default_factory=dict, description="values that the robot tells on its topics"
+    )
+    needs: list[Need] = Field(
+        default_factory=list, max_length=MOST_NEEDS, description="what driving needs"
+    )
+    lists: Annotated[Mapping[Name, SharedList], at_most(MOST_SHARED, "lists")] = Field(
+        default_factory=dict
+    )
+    rules: Annotated[Mapping[Name, Template], at_most(MOST_SHARED, "rules")] = Field(
+        default_factory=dict, description="parts of sentences: <name> in a sentence"
+    )
+    languages: Annotated[dict[str, SharedPhrases], AfterValidator(_known_languages)] = Field(
+        default_factory=dict
+    )
     skills: Annotated[
         Mapping[Name, SkillEntry], Field(max_length=MOST_SKILLS), at_most(MOST_SKILLS, "skills")
     ] = Field(default_factory=dict)
@@ -279,6 +378,16 @@ class RobotFile(Part):
         for here, path in (("places", "locations"), ("policy", "policy_file")):
             if getattr(self, here) is not None and getattr(self, path) is not None:
                 raise wrong((path,), getattr(self, path), f"nothing: {here} stand in this file")
+        return self
+
+    @model_validator(mode="after")
+    def _a_state_is_no_skill(self) -> "RobotFile":
+        for name, entry in self.state.items():
+            if name in self.skills:
+                raise wrong(("state", name), name, "a name that no skill has")
+            if name == BATTERY and entry.model_fields_set & entry.said:
+                key = min(entry.model_fields_set & entry.said)
+                raise wrong(("state", name, key), getattr(entry, key), "nothing: EdgeVox says it")
         return self
 
     @model_validator(mode="after")
@@ -293,84 +402,3 @@ class RobotFile(Part):
         """What it is called and what it is for."""
         called = f"Your name is {self.name}." if self.name else ""
         return " ".join(filter(None, (called, self.description)))
-
-
-T = TypeVar("T")
-
-CLEAR_AHEAD_M = 0.1
-"""The clearance in metres from an obstacle ahead, for a robot of known size."""
-CLEAR_ASIDE_M = 0.05
-
-
-@dataclass(frozen=True)
-class DescribedRobot:
-    """A robot file's content, and the file itself, for its line numbers."""
-
-    robot: RobotFile
-    file: YamlFile
-    folder: Path
-
-    def places(self, settings: Settings) -> Mapping[str, Location]:
-        """Return its places: of the setting's file, else of this one. Raises `InvalidValue`."""
-        if settings.locations:
-            return load_locations(settings.locations)
-        if self.robot.locations:
-            return load_locations(self.folder / self.robot.locations)
-        return read_locations(self.file.part("places")) if self.robot.places else {}
-
-    @property
-    def policy(self) -> Path | Policy | None:
-        """The file of its policy, or what this one says of it."""
-        if self.robot.policy_file:
-            return self.folder / self.robot.policy_file
-        return Policy(self.robot.policy) if self.robot.policy else None
-
-    def steering(self, settings: Settings) -> SteeringLimits:
-        """Return the limits for steering, where no node takes goals."""
-        limits, usual = self.robot.limits, SteeringLimits()
-        fastest = self.setting(settings, "max_linear", limits.max_linear)
-        steering = SteeringLimits(
-            max_linear_m_s=fastest,
-            max_angular_rad_s=self.setting(settings, "max_angular", limits.max_angular),
-            max_linear_m_s2=limits.max_acceleration or usual.max_linear_m_s2,
-        )
-        size = self.robot.footprint
-        if size is None:
-            return steering
-        braking_m = fastest**2 / (2 * steering.max_linear_m_s2)
-        return replace(
-            steering,
-            half_width_m=size.width / 2 + CLEAR_ASIDE_M,
-            stop_ahead_m=size.length / 2 + braking_m + CLEAR_AHEAD_M,
-        )
-
-    @property
-    def remappings(self) -> Sequence[str]:
-        """ROS arguments by which the contract's topics are those that this robot has."""
-        rules = [
-            rule for ours, its in self.robot.topics.items() for rule in ("-r", f"{ours}:={its}")
-        ]
-        return ["--ros-args", *rules] if rules else []
-
-    def namespace(self, settings: Settings) -> str:
-        """The namespace of the robot's topics."""
-        return self.setting(settings, "robot_namespace", self.robot.namespace)
-
-    @staticmethod
-    def setting(settings: Settings, name: str, described: T | None) -> T:
-        """Return the setting that was given, else the file's value, else the setting's default."""
-        given: T = getattr(settings, name)
-        return given if described is None or name in settings.model_fields_set else described
-
-
-NO_FILE = DescribedRobot(RobotFile(), YamlFile("{}", "robot"), Path())
-"""The description of a robot without a file, which only drives."""
-
-
-def load_robot_file(path: Path) -> DescribedRobot:
-    """Read and check a file, except for the types of its interfaces, which need ROS 2.
-
-    Raises `InvalidValue` naming the file, the line, the field, its value and the expected value.
-    """
-    file = YamlFile(read_text(path, "robot_file"), path.name)
-    return DescribedRobot(file.read(RobotFile, file.data), file, path.parent)

@@ -10,26 +10,25 @@ import difflib
 import json
 from collections import Counter, defaultdict
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
-from pathlib import Path
+from dataclasses import dataclass, replace
 from typing import Any, Literal
 
 from rclpy.action import get_action_server_names_and_types_by_node
-from rclpy.duration import Infinite
 from rclpy.expand_topic_name import expand_topic_name
 from rclpy.node import Node, NodeNameNonExistentError
-from rclpy.qos import QoSCompatibility, QoSProfile, qos_check_compatible
+from rclpy.qos import QoSProfile
 
 from edgevox.core.cancel import CancelToken
 from edgevox.core.clock import SystemClock
 from edgevox.core.errors import InvalidValue
 from edgevox.core.settings import Settings, check_settings
 from edgevox.ros2.clients import TookTooLong, wait_until
-from edgevox.ros2.messages import interface_profile, profile
+from edgevox.ros2.messages import as_on_the_graph, interface_profile, profile, unheard
 from edgevox.ros2.node import RosNode
-from edgevox.ros2.robot_file.format import DescribedRobot, RobotFile, SkillEntry, load_robot_file
+from edgevox.ros2.robot_file.format import RobotFile, SkillEntry
+from edgevox.ros2.robot_file.load import NO_FILE, DescribedRobot
 from edgevox.ros2.robot_file.messages import InterfaceMissing, Kind, full_name
-from edgevox.ros2.robot_file.skills import SkillOff, planned_skills
+from edgevox.ros2.robot_file.skills import LoadedFile, load_described
 from edgevox.ros2.robot_file.steps import Step, Topic
 from edgevox.ros2.standard_topics import DRIVEN
 
@@ -71,6 +70,9 @@ def wanted_by(robot: RobotFile) -> Iterator[Wanted]:
     """Every interface that the file names, of skills whose types make sense, each once a skill."""
     for topic, name in robot.topics.items():
         yield _wanted_by_contract(topic, name)
+    for state, told in robot.state.items():
+        with contextlib.suppress(InterfaceMissing):  # it is off, which is told by itself
+            yield Wanted(state, "publisher", told.topic, full_name(told.type, "msg"), told.latched)
     for skill, entry in robot.skills.items():
         yield from dict.fromkeys(_wanted_by_steps(skill, entry))
 
@@ -136,21 +138,6 @@ def look_at(node: Node) -> Offers:
     return found
 
 
-def unheard(publisher: QoSProfile, subscriber: QoSProfile) -> str:
-    """Return the reason why a subscriber would not hear a publisher; empty if it would."""
-    verdict, reason = qos_check_compatible(publisher, subscriber)
-    if verdict != QoSCompatibility.ERROR:
-        return ""
-    said = str(reason).replace("ERROR: ", "").strip("; ")
-    return said[:1].lower() + said[1:]
-
-
-def as_on_the_graph(profile: QoSProfile) -> QoSProfile:
-    """Set the durations that the middleware decides to infinite, as it reports them of others."""
-    profile.deadline = profile.lifespan = profile.liveliness_lease_duration = Infinite
-    return profile
-
-
 def _topic_ends(node: Node) -> Iterator[tuple[Role, Callable[[str], list[Any]]]]:
     yield "publisher", node.get_publishers_info_by_topic
     yield "subscriber", node.get_subscriptions_info_by_topic
@@ -174,22 +161,28 @@ MOST_NEAR = 3
 _ALIKE = 0.6
 
 
-def look_for_robot(settings_json: str) -> dict[str, Any]:
-    """Look for the robot whose file these settings name.
+_ESSENTIAL = {topic: topic for topic in ("odom", "cmd_vel")}
+WITHOUT_FILE = replace(NO_FILE, robot=RobotFile(topics=_ESSENTIAL))
+"""A robot that only a setting names: what every robot that drives has."""
 
-    The result's keys: `wrong`, why the file cannot be used; `off`, skills whose types are not
+
+def look_for_robot(settings_json: str) -> dict[str, Any]:
+    """Look for the robot that these settings name, by its file or by its namespace alone.
+
+    The result's keys: `wrong`, all that is wrong with the file; `off`, skills whose types are not
     sourced; `others`, the number of nodes; `found`, one entry for each interface; `elsewhere`, the
     namespace that most of them are in, and how many.
     """
     settings = check_settings(json.loads(settings_json))
-    facts: dict[str, Any] = {"wrong": "", "off": [], "others": 0, "found": []}
+    facts: dict[str, Any] = {"wrong": [], "off": [], "others": 0, "found": []}
     try:
-        described = load_robot_file(Path(str(settings.robot_file)))
-        planned = list(planned_skills(described.robot, described.file))
+        loaded = (
+            load_described(settings.robot_file) if settings.robot_file else LoadedFile(WITHOUT_FILE)
+        )
     except InvalidValue as error:
-        return facts | {"wrong": str(error)}
-    facts["off"] = [[one.name, one.reason] for one in planned if isinstance(one, SkillOff)]
-    return facts | _on_the_graph(described, settings)
+        return facts | {"wrong": [str(one) for one in error.problems]}
+    facts["off"] = [list(one) for one in loaded.off.items()]
+    return facts | _on_the_graph(loaded.described, settings)
 
 
 def _on_the_graph(described: DescribedRobot, settings: Settings) -> dict[str, Any]:

@@ -15,9 +15,11 @@ from edgevox.agent.skills import GoalHandle, SkillFailed
 from edgevox.core.cancel import Cancelled, CancelToken
 from edgevox.core.clock import Clock
 from edgevox.core.log import get_logger
+from edgevox.core.reason import Reason
 from edgevox.ros2.clients import (
     READ_S,
     ActionRunner,
+    GaveUp,
     Newest,
     ServiceCaller,
     TopicListener,
@@ -25,11 +27,19 @@ from edgevox.ros2.clients import (
     interface_reason,
 )
 from edgevox.ros2.messages import interface_profile
-from edgevox.ros2.robot_file.messages import LONGEST_TEXT, Filling, brief, read_path, with_arguments
+from edgevox.ros2.robot_file.messages import (
+    Filling,
+    constant,
+    converted,
+    with_arguments,
+)
+from edgevox.ros2.robot_file.paths import LONGEST_TEXT, brief, owner_of, read_path
 from edgevox.ros2.robot_file.plan import PlannedStep
 from edgevox.ros2.robot_file.steps import (
     ActionInterface,
+    Comparison,
     FieldCondition,
+    Progress,
     Publication,
     ResultValue,
     Topic,
@@ -41,39 +51,62 @@ log = get_logger(__name__)
 
 def holds(message: Any, conditions: Sequence[FieldCondition], arguments: Mapping[str, Any]) -> bool:
     """Return whether all conditions hold for a message; `arguments` are values that they name."""
-    return all(_one_holds(read_path(message, one.field), one, arguments) for one in conditions)
+    return all(_one_holds(message, one, arguments) for one in conditions)
 
 
-def _one_holds(value: Any, condition: FieldCondition, arguments: Mapping[str, Any]) -> bool:
+def _one_holds(message: Any, condition: FieldCondition, arguments: Mapping[str, Any]) -> bool:
+    value = read_path(message, condition.field, arguments)
     if condition.equals is not None:
-        return bool(value == with_arguments(condition.equals, arguments))
+        wanted = with_arguments(condition.equals, arguments)
+        if isinstance(wanted, str) and not isinstance(value, str):
+            wanted = constant(owner_of(type(message), condition.field), wanted)
+        return compares(value, condition, wanted)
+    return compares(value, condition, None)
+
+
+def compares(value: Any, how: Comparison, equals: Any) -> bool:
+    """Whether a value is as wanted; `equals` is what it has to equal, unless that is None."""
+    if how.equals is not None:
+        return bool(value == equals)
     if isinstance(value, bool) or not isinstance(value, int | float):
         return False
-    above = condition.above is None or value > condition.above
-    return above and (condition.below is None or value < condition.below)
+    above = how.above is None or value > how.above
+    return above and (how.below is None or value < how.below)
+
+
+class StepFailed(SkillFailed):
+    """A step failed; `values` are the results that are known all the same."""
+
+    def __init__(self, reason: Reason, values: Mapping[str, Any]) -> None:
+        self.values = values
+        super().__init__(reason)
 
 
 def values_of(planned: PlannedStep, message: Any, arguments: Mapping[str, Any]) -> dict[str, Any]:
     """Return a step's results, as JSON values; `arguments` are values that conditions may name.
 
-    Raises `SkillFailed` if the answer says that it was not done.
+    Raises `StepFailed` if the answer says that it was not done.
     """
     what = planned.interface_name
+    results = {n: value_of(message, one, arguments) for n, one in planned.step.values.items()}
     said_no = planned.way == "call" and getattr(message, "success", True) is False
-    if said_no or not holds(message, planned.step.expect, arguments):
+    if said_no or not holds(message, planned.step.expect, {**arguments, **results}):
         log.warning("interface_refused", interface=what, answer=str(brief(message))[:LONGEST_TEXT])
-        raise SkillFailed(interface_reason("refused", what=what))
-    return {name: value_of(message, one) for name, one in planned.step.values.items()}
+        raise StepFailed(interface_reason("refused", what=what), results)
+    return results
 
 
-def value_of(message: Any, how: ResultValue) -> Any:
+def value_of(message: Any, how: ResultValue, arguments: Mapping[str, Any] | None = None) -> Any:
     """Return a value of the answer as JSON, not longer than `brief`.
 
-    None if a list is shorter, and for NaN, as of a sensor that sees nothing.
+    None if a list is shorter, and for NaN, as of a sensor that sees nothing. `arguments` are values
+    that its path may name.
     """
-    value = read_path(message, how.field)
-    if how.times is not None and isinstance(value, int | float):
-        value = value * how.times
+    value = read_path(message, how.field, arguments)
+    if how.count:
+        return None if value is None else len(value)
+    if isinstance(value, int | float) and not isinstance(value, bool):
+        value = converted(value, how.times, how.plus)
     value = brief(value)
     if isinstance(value, float):
         return round(value, how.decimals) if how.decimals else round(value)
@@ -185,25 +218,63 @@ class Acts(_Base):
     def __init__(self, planned: PlannedStep, node: Node, clock: Clock) -> None:
         super().__init__(planned, node, clock)
         how: ActionInterface = getattr(self._step, planned.way)
-        self._progress = how.part_done
+        self._progress, self._tells = how.part_done, how.tells
         self._action = ActionRunner(node, planned.type, planned.interface_name, clock)
 
     def run(self, run: StepRun) -> dict[str, Any]:
-        result = self._action.run(
-            self._request(run),
-            run.token,
-            self._step.timeout_s,
-            lambda feedback: self._hear(feedback, run),
-            run.stop,
-        )
+        part_done = progress_of(self._progress) if self._progress else None
+        try:
+            result = self._action.run(
+                self._request(run),
+                run.token,
+                self._step.timeout_s,
+                lambda feedback: self._hear(feedback, run, part_done),
+                run.stop,
+            )
+        except GaveUp as error:
+            known = self._step.values.items()
+            values = {name: value_of(error.result, one, run.values) for name, one in known}
+            raise StepFailed(error.reason, values) from error
         return values_of(self._planned, result, run.values)
 
-    def _hear(self, feedback: Any, run: StepRun) -> None:
-        if self._progress is None or run.token.cancelled:
+    def _hear(self, feedback: Any, run: StepRun, part_done: "PartDone | None") -> None:
+        if run.token.cancelled:
             return
-        part = value_of(feedback, self._progress)
-        if isinstance(part, int | float) and 0.0 <= part <= 1.0:
-            run.report(progress=round(float(part), 3))
+        told: dict[str, Any] = {}
+        if part_done is not None and (part := part_done(feedback)) is not None:
+            told["progress"] = part
+        if self._tells and (text := brief(read_path(feedback, self._tells, run.values))):
+            told["text"] = text
+        if told:
+            run.report(**told)
+
+
+PartDone = Callable[[Any], float | None]
+"""How much of a run is done by its feedback, from 0 to 1; None if the feedback does not tell."""
+
+
+def progress_of(how: Progress) -> PartDone:
+    """What tells how much of one run is done: it remembers the number that it counts down from."""
+    first: list[float] = []
+
+    def whole(feedback: Any, value: float) -> float:
+        if isinstance(how.of, str):
+            found = read_path(feedback, how.of)
+            return float(found) if isinstance(found, int | float) else 0.0
+        if how.of is not None or not how.down:
+            return how.of or 1.0
+        if not first:
+            first.append(value)
+        return first[0]
+
+    def part_done(feedback: Any) -> float | None:
+        value = value_of(feedback, how)
+        if not isinstance(value, int | float) or not (of := whole(feedback, value)):
+            return None
+        part = 1.0 - value / of if how.down else value / of
+        return round(float(part), 3) if 0.0 <= part <= 1.0 else None
+
+    return part_done
 
 
 class _Hears(_Base):
@@ -349,7 +420,12 @@ class _SkillRun:
             values = {**self._values, **results}
             run = StepRun(values, self._token, self._goal.report, self.stop, asked_s, only_asked)
             asked_s, only_asked = self._skill.clock.now(), step.only_asks
-            results |= step.run(run)
+            try:
+                results |= step.run(run)
+            except StepFailed as error:
+                raise StepFailed(error.reason, {**results, **error.values}) from error
+            except SkillFailed as error:
+                raise StepFailed(error.reason, results) from error
         return results
 
     def stop(self) -> None:

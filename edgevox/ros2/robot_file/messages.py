@@ -1,23 +1,23 @@
 """ROS 2's interface types by their names, found among the packages that are sourced.
 
-Reads fields out of messages by their path: ``status.battery.percent`` or ``ranges[0]``.
-
 Fills a message from a template: the values of its fields by name, `{argument}` where one goes.
 
     pose: {position: {x: "{x}", y: 0.0}}
 
 A text that is nothing but an argument takes the argument's value, whatever its type; in a longer
 one the value is written out. Of a `builtin_interfaces/Time` the word ``now`` is the node's time.
+A text in capitals stands for a constant of the message: ``BLINK``, where a number is expected.
 """
 
 import math
 import re
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from importlib import import_module
-from math import isfinite
 from typing import Any, Literal
 
 from edgevox.core.errors import EdgeVoxError, InvalidValue
+from edgevox.core.files.yaml_file import value_key
 
 Kind = Literal["msg", "srv", "action"]
 
@@ -43,7 +43,8 @@ def interface(name: str, kind: Kind) -> Any:
         module = import_module(f"{package}.{kind}")
     except ImportError as error:
         raise InterfaceMissing(
-            f"{package} cannot be imported ({error}): source the workspace that has it"
+            f"{package} cannot be imported ({error}): source the workspace that has it, "
+            "or build it with edgevox interfaces"
         ) from error
     found = getattr(module, bare, None)
     if found is None:
@@ -58,6 +59,13 @@ def full_name(name: str, kind: Kind) -> str:
     if match is None or match[2] not in (None, kind):
         raise InterfaceMissing(f"{name!r} is no type such as package/{kind}/Name")
     return f"{match[1]}/{kind}/{match[3]}"
+
+
+def plain(value: Any) -> Any:
+    """A number, a truth or a text as JSON has it; others as they are."""
+    if isinstance(value, bytes):
+        return value[0] if len(value) == 1 else list(value)
+    return value.item() if getattr(value, "shape", None) == () else value
 
 
 def fields_of(message: Any) -> dict[str, str]:
@@ -84,72 +92,49 @@ def listed(type_name: str) -> tuple[str, int | None, int | None] | None:
     return None
 
 
-LONGEST_TEXT, LONGEST_SHOWN = 200, 50
-_PART = re.compile(r"([a-z][a-z0-9_]*)((?:\[\d+\])*)")
-_INDEX = re.compile(r"\[(\d+)\]")
+_CONSTANT = re.compile(r"[A-Z][A-Z0-9_]*")
 
 
-def check_path(kind: Any, path: str, field: str) -> str:
-    """The type of what stands at this path of such messages.
-
-    Raises `InvalidValue` naming `field` for a path that is not there.
-    """
-    for part in path.split("."):
-        match = _PART.fullmatch(part)
-        known = fields_of(kind) if kind is not None else {}
-        if match is None or match[1] not in known:
-            raise InvalidValue(field, path, "a path whose next part is one of " + ", ".join(known))
-        type_name = known[match[1]]
-        for _ in _INDEX.findall(match[2]):
-            several = listed(type_name)
-            if several is None:
-                raise InvalidValue(field, path, f"no index: {match[1]} is one {type_name}")
-            type_name = several[0]
-        kind = None if is_primitive(type_name) or listed(type_name) else interface(type_name, "msg")
-    return type_name
+def constants_of(kind: Any) -> dict[str, Any]:
+    """The constants of a message's class, by their names."""
+    names = type(kind).__prepare__("", ()) if kind is not None else {}
+    found = {name: getattr(kind, name, None) for name in names if _CONSTANT.fullmatch(name)}
+    return {
+        n: plain(one)
+        for n, one in found.items()
+        if isinstance(one, bool | int | float | str | bytes)
+    }
 
 
-def read_path(message: Any, path: str) -> Any:
-    """Return the value at this path; None if a list is shorter."""
-    for part in path.split("."):
-        name, *_ = part.partition("[")
-        message = getattr(message, name)
-        for index in _INDEX.findall(part):
-            if int(index) >= len(message):
-                return None
-            message = message[int(index)]
-    return _plain(message)
+def constant(kind: Any, value: Any) -> Any:
+    """The value of the constant of this name; of anything else, the value as it is."""
+    if not isinstance(value, str) or not _CONSTANT.fullmatch(value):
+        return value
+    return constants_of(kind).get(value, value)
 
 
-def _plain(value: Any) -> Any:
-    """A number, a truth or a text as JSON has it; others as they are."""
-    if isinstance(value, bytes):
-        return value[0] if len(value) == 1 else list(value)
-    return value.item() if getattr(value, "shape", None) == () else value
+class Converted(float):
+    """A number that is the result of a conversion: it is rounded where a whole one is needed."""
+
+    def __str__(self) -> str:
+        return value_key(float(self))
+
+    def __format__(self, spec: str) -> str:
+        return str(self) if not spec else float(self).__format__(spec)
 
 
-def brief(value: Any) -> Any:
-    """Return a message's value as JSON, with only the beginning of each text and list.
-
-    Writing out a value of 10 MB would keep every thread from its work for seconds, even a stop's.
-    """
-    value = _plain(value)
-    if isinstance(value, str):
-        return value[:LONGEST_TEXT]
-    if isinstance(value, float):
-        return value if isfinite(value) else None
-    if hasattr(value, "get_fields_and_field_types"):
-        return {name: brief(getattr(value, name)) for name in fields_of(value)}
-    if hasattr(value, "__len__"):
-        return [brief(one) for one in value[:LONGEST_SHOWN]]
-    return value
+def converted(value: Any, times: float | None, plus: float | None) -> Any:
+    """A number multiplied by `times`, plus `plus`; anything is itself where both are None."""
+    if times is None and plus is None:
+        return value
+    return Converted(value * (1.0 if times is None else times) + (plus or 0.0))
 
 
 LONGEST_LIST = 10_000
 NOW = "now"
 _ARGUMENT = re.compile(r"\{([a-z][a-z0-9_]*)\}")
 _WHOLE = re.compile(r"(u?)int(\d+)")
-_TIME = "builtin_interfaces/Time"
+_TIME, _DURATION = "builtin_interfaces/Time", "builtin_interfaces/Duration"
 _LARGEST_FLOAT = 3.4028235e38
 
 
@@ -181,41 +166,60 @@ class Filling:
         for name, value in values.items():
             where = f"{path}.{name}" if path else str(name)
             if name not in known:
-                raise InvalidValue(where, value, "a field that is one of " + ", ".join(known))
-            inner = getattr(message, name)
-            setattr(message, name, self._value(known[name], inner, value, arguments, where))
+                expected = "a field that is one of " + ", ".join(known) if known else "no field"
+                raise InvalidValue(where, value, expected)
+            place = _Place(known[name], getattr(message, name), type(message), where)
+            setattr(message, name, self._value(place, value, arguments))
 
-    def _value(
-        self,
-        type_name: str,
-        before: Any,
-        value: Any,
-        arguments: Mapping[str, Any],
-        path: str,
-    ) -> Any:
+    def _value(self, place: "_Place", value: Any, arguments: Mapping[str, Any]) -> Any:
         value = with_arguments(value, arguments)
-        if is_primitive(type_name):
-            return primitive(type_name, value, path)
-        if listed(type_name):
-            return self._list(type_name, value, arguments, path)
-        if type_name == _TIME and value == NOW:
+        if is_primitive(place.type):
+            return primitive(place.type, value, place.path, place.owner)
+        if listed(place.type):
+            return self._list(place, value, arguments)
+        if place.type == _TIME and value == NOW:
             return self._now()
-        self._fill(before, value, arguments, path)
-        return before
+        if place.type == _DURATION and _is_number(value):
+            value = _seconds(value, place.path)
+        self._fill(place.before, value, arguments, place.path)
+        return place.before
 
-    def _list(
-        self, type_name: str, value: Any, arguments: Mapping[str, Any], path: str
-    ) -> list[Any]:
-        inner, length, most = listed(type_name) or (type_name, None, None)
+    def _list(self, place: "_Place", value: Any, arguments: Mapping[str, Any]) -> list[Any]:
+        path = place.path
+        inner, length, most = listed(place.type) or (place.type, None, None)
         most = min(most or LONGEST_LIST, LONGEST_LIST)
         if not isinstance(value, list) or len(value) > most:
             raise InvalidValue(path, value, f"a list of at most {most}")
         if length is not None and len(value) != length:
             raise InvalidValue(path, value, f"a list of {length}")
         return [
-            self._value(inner, _empty(inner), one, arguments, f"{path}[{index}]")
+            self._value(
+                _Place(inner, _empty(inner), place.owner, f"{path}[{index}]"), one, arguments
+            )
             for index, one in enumerate(value)
         ]
+
+
+@dataclass(frozen=True, slots=True)
+class _Place:
+    """A field to be filled: its type, what is in it, the message's class, and its path."""
+
+    type: str
+    before: Any
+    owner: Any
+    path: str
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool)
+
+
+def _seconds(value: float, path: str) -> Mapping[str, int]:
+    """The fields of a duration of so many seconds."""
+    if not math.isfinite(value) or abs(value) >= 2**31:
+        raise InvalidValue(path, value, "a number of seconds")
+    sec = math.floor(value)
+    return {"sec": sec, "nanosec": min(999_999_999, round((value - sec) * 1e9))}
 
 
 def _empty(type_name: str) -> Any:
@@ -231,8 +235,12 @@ def with_arguments(value: Any, arguments: Mapping[str, Any]) -> Any:
     return _ARGUMENT.sub(lambda found: str(arguments[found[1]]), value)
 
 
-def primitive(type_name: str, value: Any, path: str) -> Any:
-    """A value as a field of this type takes it. Raises `InvalidValue` naming `path`."""
+def primitive(type_name: str, value: Any, path: str, owner: Any = None) -> Any:
+    """A value as a field of this type takes it; `owner` is the class that has its constants.
+
+    Raises `InvalidValue` naming `path`.
+    """
+    value = constant(owner, value)
     if is_text(type_name):
         if not isinstance(value, str):
             raise InvalidValue(path, value, "a text")
@@ -241,20 +249,24 @@ def primitive(type_name: str, value: Any, path: str) -> Any:
         if not isinstance(value, bool):
             raise InvalidValue(path, value, "true or false")
         return value
+    if isinstance(value, str) and (known := constants_of(owner)):
+        names = ", ".join(name for name, one in known.items() if not isinstance(one, str))
+        raise InvalidValue(path, value, f"a number ({type_name}), or a constant: {names}")
     if type_name in ("float", "double"):
         return _real(type_name, value, path)
     return _whole(type_name, value, path)
 
 
 def _real(type_name: str, value: Any, path: str) -> float:
-    number = isinstance(value, int | float) and not isinstance(value, bool)
     most = _LARGEST_FLOAT if type_name == "float" else math.inf
-    if not number or not math.isfinite(value) or abs(value) > most:
+    if not _is_number(value) or not math.isfinite(value) or abs(value) > most:
         raise InvalidValue(path, value, f"a number that fits {type_name}")
     return float(value)
 
 
 def _whole(type_name: str, value: Any, path: str) -> Any:
+    if isinstance(value, Converted) and math.isfinite(value):
+        value = round(value)
     match = _WHOLE.fullmatch(type_name)
     unsigned, bits = (match[1] == "u", int(match[2])) if match else (True, 8)
     low, high = (0, 2**bits - 1) if unsigned else (-(2 ** (bits - 1)), 2 ** (bits - 1) - 1)

@@ -1,7 +1,9 @@
 """The skills of a robot file, from the file to the graph."""
 
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence, Set
+from dataclasses import dataclass, field
+from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 from hassil.parse_expression import parse_sentence
@@ -12,25 +14,29 @@ from edgevox.agent.phrases.load import ENGLISH, phrasebook
 from edgevox.agent.skills import GoalHandle, Result, Skill, SkillFailed, SkillPhrases
 from edgevox.agent.text.reasons import because as agent_because
 from edgevox.core.clock import Clock
-from edgevox.core.files.validation import Place
-from edgevox.core.files.yaml_file import YamlFile
+from edgevox.core.errors import InvalidValue
+from edgevox.core.files.validation import Place, Problems
+from edgevox.core.files.yaml_file import YamlFile, value_key
 from edgevox.core.languages import LANGUAGES
-from edgevox.core.log import get_logger
-from edgevox.core.reason import Reason
+from edgevox.robots.names import check_thing
+from edgevox.ros2.clients import interface_reason
 from edgevox.ros2.robot_file.arguments import (
+    REASON,
     arguments_model,
     check_words,
     every_language,
+    every_language_at,
+    failure_of,
     meanings,
     values_in,
 )
-from edgevox.ros2.robot_file.format import RobotFile, Sentences, SkillEntry
-from edgevox.ros2.robot_file.live import LiveSkill, Watch, go_live, run_skill
+from edgevox.ros2.robot_file.format import Sentences, SkillEntry
+from edgevox.ros2.robot_file.live import LiveSkill, StepFailed, Watch, go_live, run_skill
+from edgevox.ros2.robot_file.load import DescribedRobot, read_robot_file
 from edgevox.ros2.robot_file.messages import InterfaceMissing, arguments_in
 from edgevox.ros2.robot_file.plan import PlannedStep, Planner
+from edgevox.ros2.robot_file.state import NO_STATES, RobotStates, planned_states, questions
 from edgevox.ros2.robot_file.steps import Step
-
-log = get_logger(__name__)
 
 
 @dataclass(eq=False)
@@ -42,6 +48,9 @@ class DescribedSkill:
     steps: list[PlannedStep]
     stop: PlannedStep | None
     watches: list[PlannedStep]
+    constants: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
+    """The constants by which the file may call the values of results, by the results' names."""
+    states: RobotStates = NO_STATES
     _live: LiveSkill | None = None
 
     def open(self, node: Node, clock: Clock) -> None:
@@ -62,7 +71,11 @@ class DescribedSkill:
         """Return the skill in the agent's form."""
         entry = self.entry
         said = {ENGLISH: entry, **entry.languages}
-        english = words_of(self.name, entry, entry, ENGLISH)
+        by_code = {
+            code: words_of(self.name, entry, said.get(code), code, self.constants)
+            for code in LANGUAGES
+        }
+        english = by_code[ENGLISH]
         return Skill(
             name=self.name,
             description=entry.description,
@@ -74,7 +87,8 @@ class DescribedSkill:
             action=entry.asks,
             moves=entry.uses_the_body,
             confirm=entry.confirm,
-            phrases={code: words_of(self.name, entry, said.get(code), code) for code in LANGUAGES},
+            brief=entry.is_brief,
+            phrases=by_code,
         )
 
     def run(self, goal: GoalHandle, **arguments: Any) -> Result:
@@ -82,22 +96,32 @@ class DescribedSkill:
         live = self._live
         if live is None:
             raise SkillFailed(agent_because("switched_off"))
+        self.states.check(self.entry.needs, goal.token)
         try:
-            return run_skill(live, goal, meanings(self.entry.arguments, arguments))
-        except SkillFailed as error:
-            raise SkillFailed(self._reason(error.reason)) from error
+            results = run_skill(live, goal, meanings(self.entry.arguments, arguments))
+            self._check_said(results)
+        except StepFailed as error:
+            values = {**arguments, **error.values}
+            raise SkillFailed(failure_of(self.entry, error.reason, values)) from error
+        return results
 
-    def _reason(self, found: Reason) -> Reason:
-        """Return the failure in the file's words, if it has some, in its languages."""
-        if not self.entry.failed:
-            return found
-        told = {code: one.failed for code, one in self.entry.languages.items() if one.failed}
-        return Reason(
-            self.entry.failed, found.code, found.values, {ENGLISH: self.entry.failed, **told}
-        )
+    def _check_said(self, results: Mapping[str, Any]) -> None:
+        """Raise `StepFailed` if a result that `done` says is missing, or an empty list."""
+        said = set().union(*(values_in(one.done) for one in every_language(self.entry)))
+        for step in self.steps:
+            for name in step.step.values:
+                if name in said and results.get(name) in (None, []):
+                    reason = interface_reason("unheard", what=step.interface_name)
+                    raise StepFailed(reason, results)
 
 
-def words_of(name: str, entry: SkillEntry, said: Sentences | None, code: str) -> SkillPhrases:
+def words_of(
+    name: str,
+    entry: SkillEntry,
+    said: Sentences | None,
+    code: str,
+    constants: Mapping[str, Mapping[str, Any]] = MappingProxyType({}),
+) -> SkillPhrases:
     """Return the skill's phrases in a language: the file's, else made from its name."""
     said = said or Sentences()
     needed = [key for key, one in entry.arguments.items() if one.default is None]
@@ -110,97 +134,155 @@ def words_of(name: str, entry: SkillEntry, said: Sentences | None, code: str) ->
         says=(said.says,) if said.says else (),
         done=(said.done or phrasebook(code).say("program_done"),),
         arguments=said.argument_names,
-        words=said.words,
+        words=_by_value(said.words, constants),
     )
 
 
+def _by_value(
+    words: Mapping[str, Mapping[str, str]], constants: Mapping[str, Mapping[str, Any]]
+) -> Mapping[str, Mapping[str, str]]:
+    """The words, with the values of constants instead of their names."""
+
+    def value(name: str, key: str) -> str:
+        known = constants.get(name, {})
+        return value_key(known[key]) if key in known else key
+
+    return {
+        name: {value(name, key): said for key, said in by_value.items()}
+        for name, by_value in words.items()
+    }
+
+
 @dataclass(frozen=True, slots=True)
-class SkillOff:
-    """A skill that is off, and the missing type."""
+class LoadedFile:
+    """A robot file with what its interfaces' types make of it."""
 
-    name: str
-    reason: str
+    described: DescribedRobot
+    skills: Sequence[DescribedSkill] = ()
+    states: RobotStates = NO_STATES
+    off: Mapping[str, str] = field(default_factory=dict)
+    """The skills and states whose types are missing, each with the reason."""
 
 
-def described_skills(robot: RobotFile, file: YamlFile) -> list[DescribedSkill]:
-    """Return a file's skills; one with a missing type is left out, and reported by name.
+def load_described(path: Path) -> LoadedFile:
+    """Read and check a file, its skills and its states.
 
-    Raises `InvalidValue` naming file, line and field.
+    Raises `InvalidValue` with all that is wrong, each with file, line and field.
     """
-    found = []
-    for one in planned_skills(robot, file):
-        if isinstance(one, SkillOff):
-            log.warning("skill_off", skill=one.name, reason=one.reason)
-        else:
-            found.append(one)
-    return found
-
-
-def planned_skills(robot: RobotFile, file: YamlFile) -> Iterator[DescribedSkill | SkillOff]:
-    """Every skill of a file, or why it is off. Raises `InvalidValue` as `described_skills`."""
+    described, problems = read_robot_file(path)
+    robot, file = described.robot, described.file
+    planned, off_states = planned_states(robot, file, problems)
+    states = RobotStates(planned, robot.needs)
+    off = {("state", name): reason for name, reason in off_states.items()}
+    skills = []
     for name, entry in robot.skills.items():
         place: Place = ("skills", name)
-        _check_sentences(entry, file, place)
+        _check_names(name, entry, file, place, problems)
+        _check_sentences(entry, file, place, problems)
         try:
-            yield _planned(name, entry, file, place)
+            skills.append(_planned(name, entry, file, place, problems))
         except InterfaceMissing as error:
-            yield SkillOff(name, str(error))
+            off["skills", name] = str(error)
+    for name, entry in questions(robot, planned).items():
+        place = ("state", name)
+        _check_names(name, entry, file, place, problems)
+        _check_sentences(entry, file, place, problems)
+        skills.append(_planned(name, entry, file, place, problems))
+    if problems.found:
+        problems.found += [
+            file.wrong(at, at[-1], f"types that are there: {reason}") for at, reason in off.items()
+        ]
+    problems.tell()
+    for one in skills:
+        one.states = states
+    return LoadedFile(described, skills, states, {at[-1]: one for at, one in off.items()})
 
 
-def _planned(name: str, entry: SkillEntry, file: YamlFile, place: Place) -> DescribedSkill:
-    planner = Planner(entry.arguments, file)
+def _planned(
+    name: str, entry: SkillEntry, file: YamlFile, place: Place, problems: Problems
+) -> DescribedSkill:
+    planner = Planner(entry.arguments, file, problems)
     steps = [
         planner.plan(step, (*place, "steps", index) if entry.steps else place)
         for index, step in enumerate(entry.every_step)
     ]
-    _check_answers(entry, planner.results, file, place)
-    check_words(entry, planner.results, file, place)
+    _check_answers(entry, planner.results, file, place, problems)
+    check_words(entry, planner, file, place, problems)
     # What is done at a stop cannot use results, which may not be known by then.
-    stop = Planner(entry.arguments, file).plan(entry.stop, (*place, "stop")) if entry.stop else None
+    alone = Planner(entry.arguments, file, problems)
+    stop = alone.plan(entry.stop, (*place, "stop")) if entry.stop else None
     watches = [
-        Planner({}, file).plan_watch(one, (*place, "stops_on", index))
+        Planner({}, file, problems).plan_watch(one, (*place, "stops_on", index))
         for index, one in enumerate(entry.stops_on)
     ]
     used = frozenset().union(*map(_named_by, entry.every_step))
-    if idle := entry.arguments.keys() - used:
-        at = (*place, "arguments", min(idle))
-        raise file.wrong(at, min(idle), "an argument that a request takes, as {" + min(idle) + "}")
-    return DescribedSkill(name, entry, steps, stop, watches)
+    for idle in sorted(entry.arguments.keys() - used):
+        expected = "an argument that a request takes, as {" + idle + "}"
+        problems.found.append(file.wrong((*place, "arguments", idle), idle, expected))
+    return DescribedSkill(name, entry, steps, stop, watches, planner.constants)
+
+
+def _check_names(
+    name: str, entry: SkillEntry, file: YamlFile, place: Place, problems: Problems
+) -> None:
+    """Find names of skills and words that people need for something else, as a stop."""
+    named: list[tuple[Place, str]] = [(place, name)]
+    for argument, one in entry.arguments.items():
+        at = (*place, "arguments", argument)
+        named += [((*at, "values"), word) for word in one.meanings]
+        named += [((*at, "aliases", word), word) for word in one.aliases]
+    for where, word in named:
+        try:
+            check_thing("", word)
+        except InvalidValue as error:
+            problems.found.append(file.wrong(where, word, error.expected))
 
 
 def _named_by(step: Step) -> frozenset[str]:
-    """The arguments that a step's request and its conditions name."""
-    return arguments_in([step.request, [one.equals for one in step.conditions]])
+    """The arguments that a step's request, its conditions and its paths name."""
+    paths = [one.field for one in step.conditions] + [one.field for one in step.values.values()]
+    return arguments_in([step.request, paths, [one.equals for one in step.conditions]])
 
 
-def _check_sentences(entry: SkillEntry, file: YamlFile, place: Place) -> None:
-    for at, said in every_language(entry, place):
+def _check_sentences(entry: SkillEntry, file: YamlFile, place: Place, problems: Problems) -> None:
+    for at, said in every_language_at(entry, place):
         for index, sentence in enumerate(said.sentences):
-            try:
-                parse_sentence(sentence)
-            except (ParseError, ValueError) as error:
-                raise file.wrong(
-                    (*at, "sentences", index), sentence, f"a template ({error})"
-                ) from None
-            if unknown := arguments_in(sentence) - entry.arguments.keys():
-                expected = "an argument: one of " + (", ".join(entry.arguments) or "none")
-                raise file.wrong((*at, "sentences", index), min(unknown), expected)
+            with problems.collect():
+                _check_sentence(entry, sentence, file, (*at, "sentences", index))
 
 
-def _check_answers(entry: SkillEntry, known: Mapping[str, str], file: YamlFile, at: Place) -> None:
+def _check_sentence(entry: SkillEntry, sentence: str, file: YamlFile, at: Place) -> None:
+    try:
+        parse_sentence(sentence)
+    except (ParseError, ValueError) as error:
+        raise file.wrong(at, sentence, f"a template ({error})") from None
+    if unknown := arguments_in(sentence) - entry.arguments.keys():
+        expected = "an argument: one of " + (", ".join(entry.arguments) or "none")
+        raise file.wrong(at, min(unknown), expected)
+
+
+def _check_answers(
+    entry: SkillEntry, known: Mapping[str, str], file: YamlFile, at: Place, problems: Problems
+) -> None:
     """Check that start sentences name only arguments, and end sentences also results."""
-    for place, said in every_language(entry, at):
+    ended = {*entry.arguments, *known}
+    for place, said in every_language_at(entry, at):
         for name, values in (
             ("says", entry.arguments.keys()),
             ("asks", entry.arguments.keys()),
-            ("done", {*entry.arguments, *known}),
+            ("done", ended),
+            ("failed", ended | {REASON}),
         ):
-            text = getattr(said, name)
-            try:
-                unknown = values_in(text) - values
-            except ValueError as error:
-                expected = f"values in pairs of braces ({error})"
-                raise file.wrong((*place, name), text, expected) from None
-            if unknown:
-                expected = "a value that is known then: " + (", ".join(sorted(values)) or "none")
-                raise file.wrong((*place, name), min(unknown), expected)
+            with problems.collect():
+                _check_values(getattr(said, name), values, file, (*place, name))
+
+
+def _check_values(text: str, values: Set[str], file: YamlFile, at: Place) -> None:
+    try:
+        unknown = values_in(text) - values
+    except ValueError as error:
+        expected = f"values in pairs of braces ({error})"
+        raise file.wrong(at, text, expected) from None
+    if unknown:
+        expected = "a value that is known then: " + (", ".join(sorted(values)) or "none")
+        raise file.wrong(at, min(unknown), expected)

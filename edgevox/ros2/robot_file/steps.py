@@ -3,11 +3,21 @@
 Which values an argument of a robot file may have; a default has to be one.
 """
 
+import re
 from collections.abc import Collection, Mapping, Sized
 from math import isfinite
 from typing import Annotated, Any
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_validator
+from pydantic import (
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    GetCoreSchemaHandler,
+    GetJsonSchemaHandler,
+    model_validator,
+)
+from pydantic_core import core_schema
 
 from edgevox.core.files.validation import Place, wrong
 
@@ -18,9 +28,41 @@ MOST_A_SECOND = 50.0
 
 Number = Annotated[float, Field(strict=True, allow_inf_nan=False)]
 Word = Annotated[str, Field(min_length=1, max_length=100)]
-Name = Annotated[str, Field(pattern=r"^[a-z][a-z0-9_]{0,39}$")]
+
+
+class Written:
+    """A text that matches a pattern; where it does not, `what` says what is expected."""
+
+    def __init__(self, pattern: str, what: str) -> None:
+        self._pattern, self._what = pattern, what
+
+    def __get_pydantic_core_schema__(
+        self, source: Any, handler: GetCoreSchemaHandler
+    ) -> core_schema.CoreSchema:
+        return core_schema.no_info_after_validator_function(self._check, handler(source))
+
+    def __get_pydantic_json_schema__(
+        self, schema: core_schema.CoreSchema, handler: GetJsonSchemaHandler
+    ) -> dict[str, Any]:
+        return {**handler(schema), "pattern": self._pattern}
+
+    def _check(self, text: str) -> str:
+        if re.fullmatch(self._pattern, text) is None:
+            raise ValueError(self._what)
+        return text
+
+
+Name = Annotated[
+    str,
+    Written(
+        r"^[a-z][a-z0-9_]{0,39}$",
+        "a name of at most 40 lower-case letters, digits and underscores, such as raise_arm",
+    ),
+]
 """A name in the file: lower case, digits and underscores."""
-GraphName = Annotated[str, Field(pattern=r"^~?/?[A-Za-z][A-Za-z0-9_/]{0,254}$")]
+GraphName = Annotated[
+    str, Written(r"^~?/?[A-Za-z][A-Za-z0-9_/]{0,254}$", "a name on the graph such as arm/raise")
+]
 """A topic, service or action; relative to the robot's namespace unless it begins with a slash."""
 
 
@@ -76,43 +118,72 @@ class Publication(Topic):
 
 
 class ResultValue(Part):
-    """A value of the answer: the path of a field; a number is multiplied by `times` and rounded."""
+    """A value of the answer: the path of a field.
+
+    A number is multiplied by `times`, then `plus` is added, and it is rounded. `count` is how many
+    a list has.
+    """
 
     field: Word
     times: Number | None = None
+    plus: Number | None = None
     decimals: int = Field(3, ge=0, le=6)
+    count: bool = False
+
+    @property
+    def converts(self) -> bool:
+        """Whether it changes a number."""
+        return self.times is not None or self.plus is not None
+
+
+class Progress(ResultValue):
+    """How much of an action is done, by a number of its feedback.
+
+    The number is a part of `of`, a number or a field of the feedback; 1 by default. With `down` it
+    counts down to 0, from `of` or else from its first value.
+    """
+
+    of: Annotated[float, Field(strict=True, gt=0.0, allow_inf_nan=False)] | Word | None = None
+    down: bool = False
 
 
 class ActionInterface(Interface):
     """An action; `progress` is the path of a number in the feedback that goes from 0 to 1.
 
-    For another range, give `times`: ``{field: percent, times: 0.01}``.
+    For another range, give `of`, `times` or `down`: ``{field: percent, of: 100}``. `tells` is the
+    path of a text in the feedback, which the robot says when it is asked what it does.
     """
 
-    progress: Word | ResultValue | None = None
+    progress: Word | Progress | None = None
+    tells: Word | None = None
 
     @property
-    def part_done(self) -> ResultValue | None:
-        """Which value of the feedback says how much is done, from 0 to 1."""
-        return ResultValue(field=self.progress) if isinstance(self.progress, str) else self.progress
+    def part_done(self) -> Progress | None:
+        """Which value of the feedback says how much is done."""
+        return Progress(field=self.progress) if isinstance(self.progress, str) else self.progress
 
 
-class FieldCondition(Part):
-    """A condition for a field of a message: `equals`, or a number `above` or `below`.
+class Comparison(Part):
+    """What a value has to be: `equals`, or a number `above` or `below`."""
 
-    `equals` may name arguments and earlier results, as requests do.
-    """
-
-    field: Word
     equals: Scalar | None = None
     above: Number | None = None
     below: Number | None = None
 
     @model_validator(mode="after")
-    def _says_something(self) -> "FieldCondition":
+    def _says_something(self) -> "Comparison":
         if self.equals is None and self.above is None and self.below is None:
             raise wrong((), None, "equals, above or below")
         return self
+
+
+class FieldCondition(Comparison):
+    """A condition for a field of a message.
+
+    `equals` may name arguments and earlier results, as requests do, and a constant of the message.
+    """
+
+    field: Word
 
 
 class Wait(Topic):

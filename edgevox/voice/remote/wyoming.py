@@ -7,6 +7,7 @@ import socket
 import time
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
+from io import BufferedIOBase
 from typing import IO, Any
 from urllib.parse import urlsplit
 
@@ -32,7 +33,7 @@ SCHEMES = ("tcp", "wyoming")
 class BoundedReader:
     """What `read_event` reads from: a stream whose lines, parts and whole are bounded."""
 
-    def __init__(self, stream: IO[bytes], most_bytes: int = MOST_BYTES) -> None:
+    def __init__(self, stream: IO[bytes] | BufferedIOBase, most_bytes: int = MOST_BYTES) -> None:
         self._stream = stream
         self._left = most_bytes
         self.ended = False
@@ -73,12 +74,12 @@ class WyomingRequest(Exchange[Event]):
                 for event in self._sends:
                     write_event(event, writer)
                 reader = BoundedReader(stream)
-                while not self.dropped and (event := _next_event(reader)):
+                while not self.dropped and (event := next_event(reader)):
                     self._put(event)
 
 
-def _next_event(reader: BoundedReader) -> Event | None:
-    """The next event; None at the end. Raises `Unusable` for what is none."""
+def next_event(reader: BoundedReader) -> Event | None:
+    """The next event; None at the end. Raises `Unusable` for what is none, `OSError`."""
     try:
         event = read_event(reader)
     except _NOT_WYOMING:

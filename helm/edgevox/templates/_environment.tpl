@@ -13,6 +13,7 @@
   "EDGEVOX_AUDIO_OUT" $robot.audioOut
   "EDGEVOX_LOG_LEVEL" $robot.logLevel
   "EDGEVOX_DRAIN_S" $robot.drainSeconds
+  "EDGEVOX_IMAGE" (include "edgevox.image" .root)
   "EDGEVOX_ROBOT_NAMESPACE" $robot.robotNamespace
   "EDGEVOX_FRAME_PREFIX" $robot.framePrefix
   "EDGEVOX_OFFLINE" $robot.models.offline

@@ -74,7 +74,7 @@
   # As in compose/recordings.yml. What has its own name is whole and never changes.
   args:
     - >-
-      while true; do
+      touch /tmp/ended; while true; do
       if rclone --config /run/secrets/rclone/rclone.conf "$UPLOAD_VERB" /recordings "$UPLOAD_TO"
       --include '*.{mcap,yaml}' --immutable --s3-no-check-bucket --log-level NOTICE --max-duration 30m;
       then rm -f /recordings/upload.failed; else touch /recordings/upload.failed; fi;

@@ -4,7 +4,7 @@ import phrases
 import pytest
 from logs_rig import logging_to_memory
 from support.body import ROOMS, FakeBody
-from support.conversation import Talk
+from support.conversation import Eloquent, Talk
 
 from edgevox.agent.agents import Agent
 from edgevox.agent.inbox import MAX_WAITING
@@ -25,10 +25,8 @@ UNKNOWN_ROOM = phrases.said("unknown_word", argument="room", said="garage", know
 SKILLS = ("navigate_to", "open_door", "get_pose")
 
 
-class StoryTeller:
+class StoryTeller(Eloquent):
     """A model that tells an endless story, one token whenever the test allows it."""
-
-    name, context_tokens = "story teller", 4096
 
     def __init__(self):
         self.allowed = threading.Semaphore(0)
@@ -41,15 +39,6 @@ class StoryTeller:
         while self.allowed.acquire(timeout=60) and not token.cancelled:
             yield "Once upon a time. "
         forget()
-
-    def prime(self, messages, token):
-        """Nothing to read."""
-
-    def count_tokens(self, text):
-        return len(text.split())
-
-    def close(self):
-        """Nothing to free."""
 
 
 class Rig(Talk):

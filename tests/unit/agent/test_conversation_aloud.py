@@ -3,19 +3,17 @@
 import threading
 
 import pytest
+from guards import HUNG_S
 from support.clock import HeldClock
+from support.conversation import Eloquent, Talk
 
-from edgevox.agent.agents import Agent
-from edgevox.agent.conversation import Conversation
 from edgevox.agent.llm.grammar import SAY
 from edgevox.agent.llm.prompt import CUT_MARK
 from edgevox.agent.skills import SkillSet, skill
-from edgevox.core.bus import Bus
 from edgevox.core.cancel import Cancelled
 from edgevox.core.commands import Heard, Interrupt, Speak, SpokenOver, TextInput, Transcribing
 from edgevox.core.events import (
     Responded,
-    SentenceReady,
     State,
     StateChanged,
     Transcribed,
@@ -38,7 +36,7 @@ class Saying:
 
     def finish(self):
         forget = self.token.on_cancel(self._played.set)
-        assert self._played.wait(60)
+        assert self._played.wait(HUNG_S)
         forget()
         if self.token.cancelled:
             return Spoken("Once upon", cut=True, first_audible_s=self._clock.now())
@@ -63,82 +61,57 @@ class PacedSpeech:
         return self.utterances[-1]
 
 
-class Story:
+class Story(Eloquent):
     """A model that tells a story of two sentences."""
 
-    name, context_tokens = "story", 4096
-
     def __init__(self):
+        super().__init__(SAY, "Once upon a time. ", "There was a robot.")
         self.seen = []
 
     def generate(self, messages, *, grammar, max_tokens, token):
         self.seen.append(messages)
-        yield from (SAY, "Once upon a time. ", "There was a robot.")
-
-    def prime(self, messages, token):
-        """Nothing to read."""
-
-    def count_tokens(self, text):
-        return len(text.split())
-
-    def close(self):
-        """Nothing to free."""
+        yield from self._pieces
 
 
-class Rig:
+class Rig(Talk):
     def __init__(self):
-        self.bus, self.clock, self.model = Bus(), HeldClock(100.0), Story()
-        self.speech_output = PacedSpeech(self.clock)
-        self.events, self.spoken, self.driving = [], threading.Event(), threading.Event()
-        for kind in (Responded, StateChanged, Transcribed, TurnMeasured, SentenceReady):
-            self.bus.subscribe(kind, self.events.append)
-        self.bus.subscribe(StateChanged, self._note)
-        self.goal_token = None
+        self.driving, self.goal_token, clock = threading.Event(), None, HeldClock(100.0)
+        self.model, self.speech_output = Story(), PacedSpeech(clock)
 
         @skill(templates=["drive on"], says="Driving on.")
         def drive_on(goal):
             """Drive until told otherwise."""
             self.goal_token = goal.token
             self.driving.set()
-            goal.token.wait(60)
+            goal.token.wait(HUNG_S)
             raise Cancelled(goal.token.reason)
 
-        self.conversation = Conversation(
-            [Agent("robot", "Be brief.", SkillSet([drive_on]))],
-            self.bus,
-            halt=lambda _: False,
+        super().__init__(
+            skills=SkillSet([drive_on]),
             model=self.model,
             speech_output=self.speech_output,
-            clock=self.clock,
+            clock=clock,
         )
-        self.conversation.start()
 
-    def _note(self, event):
-        if event.state is State.SPEAKING:
-            self.spoken.set()
-
-    def of(self, kind):
-        return [event for event in self.events if isinstance(event, kind)]
+    def speaks(self):
+        self.until(lambda: State.SPEAKING in self.states)
 
     @property
     def states(self):
         return [event.state for event in self.of(StateChanged)]
 
-    def __enter__(self):
-        return self
-
     def __exit__(self, *_):
         self.speech_output.played.set()
-        self.conversation.close()
+        super().__exit__()
 
 
 def test_it_is_speaking_until_all_was_played():
     with Rig() as rig:
         rig.conversation.submit(Speak("Hello there."))
-        assert rig.spoken.wait(60)
+        rig.speaks()
         assert not rig.of(Responded)
         rig.speech_output.played.set()
-        assert rig.conversation.wait_idle(10)
+        rig.settle()
         assert rig.of(Responded) == [Responded("Hello there.", 1)]
         assert rig.states == [State.LISTENING, State.SPEAKING, State.LISTENING]
 
@@ -148,7 +121,7 @@ def test_heard_words_go_from_transcribing_to_thinking_to_speaking():
         rig.speech_output.played.set()
         rig.conversation.submit(Transcribing())
         rig.conversation.submit(Heard("tell me a story", ended_s=99.0, stt_s=0.4))
-        assert rig.conversation.wait_idle(10)
+        rig.settle()
         assert rig.states == [
             State.LISTENING,
             State.TRANSCRIBING,
@@ -163,7 +136,7 @@ def test_a_turn_is_measured_from_the_end_of_the_speech_to_the_first_audible_samp
     with Rig() as rig:
         rig.speech_output.played.set()
         rig.conversation.submit(Heard("tell me a story", ended_s=99.0, stt_s=0.4))
-        assert rig.conversation.wait_idle(10)
+        rig.settle()
         (measured,) = rig.of(TurnMeasured)
         assert (measured.stt, measured.tts) == (0.4, 0.125)
         assert measured.ttfs == 1.25
@@ -174,7 +147,7 @@ def test_silence_that_was_taken_for_speech_is_not_answered():
     with Rig() as rig:
         rig.conversation.submit(Transcribing())
         rig.conversation.submit(Heard("", ended_s=99.0))
-        assert rig.conversation.wait_idle(10)
+        rig.settle()
         assert rig.states == [State.LISTENING, State.TRANSCRIBING, State.LISTENING]
         assert not rig.of(Transcribed)
         assert not rig.speech_output.utterances
@@ -183,14 +156,14 @@ def test_silence_that_was_taken_for_speech_is_not_answered():
 def test_history_holds_what_was_heard_with_a_mark_that_it_was_cut():
     with Rig() as rig:
         rig.conversation.submit(TextInput("tell me a story"))
-        assert rig.spoken.wait(60)
+        rig.speaks()
         rig.conversation.submit(Interrupt("spoken over", motion=False))
-        assert rig.conversation.wait_idle(10)
+        rig.settle()
         assert rig.of(Responded) == [Responded("Once upon", 1, cut=True)]
         assert State.INTERRUPTED in rig.states
         rig.speech_output.played.set()
         rig.conversation.submit(TextInput("and then?"))
-        assert rig.conversation.wait_idle(10)
+        rig.settle()
         told = [m.content for m in rig.model.seen[-1] if m.role == "assistant"]
         assert told[-1].endswith(f"Once upon{CUT_MARK}")
 
@@ -198,8 +171,8 @@ def test_history_holds_what_was_heard_with_a_mark_that_it_was_cut():
 def test_speaking_over_the_robot_cuts_its_words_but_not_its_drive():
     with Rig() as rig:
         rig.conversation.submit(TextInput("drive on"))
-        assert rig.driving.wait(60)
-        assert rig.spoken.wait(60)
+        assert rig.driving.wait(HUNG_S)
+        rig.speaks()
         rig.conversation.submit(Interrupt("spoken over", motion=False))
         assert rig.speech_output.utterances[0].token.cancelled
         assert not rig.goal_token.cancelled
@@ -211,7 +184,7 @@ def test_speaking_over_the_robot_cuts_its_words_but_not_its_drive():
 def test_who_only_listens_does_not_end_its_answer(words):
     with Rig() as rig:
         rig.conversation.submit(TextInput("tell me a story"))
-        assert rig.spoken.wait(60)
+        rig.speaks()
         rig.conversation.submit(SpokenOver())
         assert rig.speech_output.held == 1
         rig.conversation.submit(Transcribing())
@@ -220,7 +193,7 @@ def test_who_only_listens_does_not_end_its_answer(words):
         assert rig.speech_output.held == 0
         assert not rig.speech_output.utterances[0].token.cancelled
         rig.speech_output.played.set()
-        assert rig.conversation.wait_idle(10)
+        rig.settle()
         assert len(rig.speech_output.utterances) == 1
         assert not rig.of(Responded)[0].cut
         assert [one.text for one in rig.of(Transcribed)][1:] == [words] * bool(words)
@@ -230,13 +203,13 @@ def test_who_only_listens_does_not_end_its_answer(words):
 def test_other_words_end_its_answer(words):
     with Rig() as rig:
         rig.conversation.submit(TextInput("tell me a story"))
-        assert rig.spoken.wait(60)
+        rig.speaks()
         rig.conversation.submit(SpokenOver())
         rig.conversation.submit(Heard(words, ended_s=101.0, over=True))
 
         assert rig.speech_output.utterances[0].token.cancelled
         rig.speech_output.played.set()
-        assert rig.conversation.wait_idle(10)
+        rig.settle()
         assert rig.of(Responded)[0].cut
         assert [one.text for one in rig.of(Transcribed)][1] == words
 
@@ -244,8 +217,8 @@ def test_other_words_end_its_answer(words):
 def test_a_stop_word_over_its_answer_stops_the_robot():
     with Rig() as rig:
         rig.conversation.submit(TextInput("drive on"))
-        assert rig.driving.wait(60)
-        assert rig.spoken.wait(60)
+        assert rig.driving.wait(HUNG_S)
+        rig.speaks()
         rig.conversation.submit(SpokenOver())
         rig.conversation.submit(Heard("okay, stop", ended_s=101.0, over=True))
 
@@ -255,8 +228,8 @@ def test_a_stop_word_over_its_answer_stops_the_robot():
 def test_an_interrupt_cuts_words_and_drive():
     with Rig() as rig:
         rig.conversation.submit(TextInput("drive on"))
-        assert rig.driving.wait(60)
-        assert rig.spoken.wait(60)
+        assert rig.driving.wait(HUNG_S)
+        rig.speaks()
         rig.conversation.submit(Interrupt())
         assert rig.speech_output.utterances[0].token.cancelled
         assert rig.goal_token.cancelled

@@ -4,7 +4,7 @@ import threading
 from collections.abc import Iterator
 
 from guards import HUNG_S
-from support.conversation import Talk
+from support.conversation import Eloquent, Talk
 
 from edgevox.agent.llm.grammar import SAY
 from edgevox.agent.llm.language_model import ModelFailed
@@ -12,25 +12,21 @@ from edgevox.core.commands import Interrupt, Reset, Speak, TextInput
 from edgevox.core.events import Cause, Interrupted, Outcome, TokenGenerated, TurnEnded
 
 
-class Model:
+class Model(Eloquent):
     """Says its pieces, then fails or waits for the end if it is told to."""
 
-    name, context_tokens = "model", 4096
-
     def __init__(self, *pieces: str, fails: bool = False, waits: bool = False) -> None:
-        self.pieces, self.fails, self.waits = pieces, fails, waits
+        super().__init__(*pieces)
+        self.fails, self.waits = fails, waits
         self.begun = threading.Event()
 
     def generate(self, messages, *, grammar, max_tokens, token) -> Iterator[str]:
         self.begun.set()
-        yield from self.pieces
+        yield from self._pieces
         if self.fails:
             raise ModelFailed("out of memory")
         if self.waits:
             token.wait(HUNG_S)
-
-    def count_tokens(self, text: str) -> int:
-        return len(text.split())
 
 
 class Rig(Talk):

@@ -14,6 +14,7 @@ import pytest
 from gguf_files import small_gguf
 from llm_server import Chat, Reply, failing, good, never, serving
 from support.clock import HeldClock
+from support.conversation import Eloquent
 from waiting import Heard
 
 from edgevox.agent.agents import Agent
@@ -110,20 +111,6 @@ def test_the_context_counts_as_memory_by_what_the_file_says(tmp_path, monkeypatc
         factory.load_model(small_file, "xllamacpp", context_tokens=4097)
 
 
-class OnBoard:
-    name, context_tokens = "on board", 4096
-
-    def generate(self, messages, *, grammar, max_tokens, token):
-        yield SAY + "I think for myself."
-
-    def prime(self, messages, token): ...
-
-    def count_tokens(self, text):
-        return len(text)
-
-    def close(self): ...
-
-
 @pytest.fixture
 def asking(request):
     """A conversation that thinks with a server."""
@@ -173,7 +160,7 @@ def test_a_server_that_is_gone_is_spoken_of_and_heard_again_when_it_is_back(aski
 
 
 def test_a_server_that_is_gone_is_not_noticed_by_who_is_answered_on_board(asking):
-    one, heard, model, _ = asking(failing(503), on_board=OnBoard())
+    one, heard, model, _ = asking(failing(503), on_board=Eloquent(f"{SAY}I think for myself."))
 
     one.submit(TextInput(WISH))
 
@@ -192,7 +179,7 @@ def test_a_full_server_is_spoken_of_as_busy_and_has_not_failed(asking):
 
 
 def test_an_answer_that_breaks_off_is_ended_with_the_reason(asking):
-    one, heard, model, _ = asking(breaks_off, on_board=OnBoard())
+    one, heard, model, _ = asking(breaks_off, on_board=Eloquent(f"{SAY}I think for myself."))
 
     one.submit(TextInput(WISH))
 

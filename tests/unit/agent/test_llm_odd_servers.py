@@ -7,6 +7,7 @@ from typing import Any
 import pytest
 import yaml
 from llm_server import CHAT, GOOD, ROOMS, Reply, ask, failing, good, serving
+from support.conversation import Eloquent
 
 from edgevox.agent.llm.remote import FallbackModel
 from edgevox.core.cancel import CancelToken
@@ -82,22 +83,10 @@ def test_a_thought_without_end_is_an_odd_answer() -> None:
         ask(server.model())
 
 
-class _OnBoard:
-    name, context_tokens = "small", 4096
-
-    def generate(self, *_: object, **__: object):
-        yield "go bedroom!"
-
-    def count_tokens(self, _: str) -> int:
-        return 0
-
-    def close(self) -> None: ...
-
-
 def test_one_odd_answer_is_no_outage_and_three_in_a_row_are() -> None:
     odd = good("Certainly! I shall go.")
     with serving(odd, GOOD, odd, odd, odd, GOOD) as server:
-        model = FallbackModel(server.model(), _OnBoard())
+        model = FallbackModel(server.model(), Eloquent("go bedroom!"))
         said = [
             "".join(model.generate(CHAT, grammar=ROOMS, max_tokens=9, token=CancelToken()))
             for _ in range(6)

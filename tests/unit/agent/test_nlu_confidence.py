@@ -1,15 +1,12 @@
 """The head that says how sure a reading is, and what nobody asked for never moves."""
 
-from collections.abc import Iterator, Sequence
-
 import numpy as np
 import pytest
 from corpus_robots import skills_of_robots
+from support.conversation import ORDER, TALK, CertainEncoder, Eloquent
 
 from edgevox.agent.agents import Agent
-from edgevox.agent.llm.language_model import ChatMessage
 from edgevox.agent.nlu.decider import Decider, Readings
-from edgevox.agent.nlu.encoder.packed_file import Floats
 from edgevox.agent.nlu.interpreter import Interpreter
 from edgevox.agent.nlu.meaning import (
     ASK_FROM,
@@ -21,54 +18,19 @@ from edgevox.agent.nlu.meaning import (
 from edgevox.agent.skills import Call
 from edgevox.agent.turn import Turn
 from edgevox.core.bus import Bus
-from edgevox.core.cancel import CancelToken
 from edgevox.core.clock import SystemClock
 
 APARTMENT = skills_of_robots()["robot-apartment"]
-ORDER, TALK = 12.0, -12.0
+EAGER = Eloquent('call: navigate_to(room="kitchen"); done')
+"""A model that calls whatever it may, whatever it was asked."""
 WISH = "I'd be so glad to see you in the kitchen"
 
 
-class Certain:
-    """An encoder whose every sentence gives the head the same logit."""
-
-    def __init__(self, logit: float) -> None:
-        head = read_head()
-        weights = head.order_weights
-        self._features = weights * (logit - head.order_bias) / float(weights @ weights)
-
-    def features(self, text: str) -> Floats:
-        return np.asarray(self._features, np.float32)
-
-
-class Eager:
-    """A model that calls whatever it may, whatever it was asked, and was given any grammar."""
-
-    name, context_tokens = "eager", 4096
-
-    def generate(
-        self,
-        messages: Sequence[ChatMessage],
-        *,
-        grammar: str | None,
-        max_tokens: int,
-        token: object,
-    ) -> Iterator[str]:
-        yield 'call: navigate_to(room="kitchen"); done'
-
-    def prime(self, messages: Sequence[ChatMessage], token: CancelToken) -> None: ...
-
-    def count_tokens(self, text: str) -> int:
-        return len(text)
-
-    def close(self) -> None: ...
-
-
 def decider(logit: float) -> Decider:
-    return Decider(Certain(logit), read_head())
+    return Decider(CertainEncoder(logit), read_head())
 
 
-def interpreter(model: Eager | None = None, judge: Decider | None = None) -> Interpreter:
+def interpreter(model: Eloquent | None = None, judge: Decider | None = None) -> Interpreter:
     return Interpreter([Agent("robot", "", APARTMENT)], Bus(), SystemClock(), model, decider=judge)
 
 
@@ -152,13 +114,13 @@ def test_without_a_judge_only_templates_move() -> None:
 
 @pytest.mark.parametrize("judge", [None, decider(ORDER), decider(TALK)])
 def test_a_model_that_calls_what_nobody_said_moves_nothing(judge: Decider | None) -> None:
-    assert interpreter(Eager(), judge).understand("what is seven times eight", turn()) is None
+    assert interpreter(EAGER, judge).understand("what is seven times eight", turn()) is None
 
 
 def test_a_room_that_is_not_there_is_refused_by_name() -> None:
     answer = turn()
 
-    assert interpreter(Eager(), decider(ORDER)).understand("go to the garage", answer) is None
+    assert interpreter(EAGER, decider(ORDER)).understand("go to the garage", answer) is None
     assert "garage" in answer.text
 
 

@@ -6,8 +6,8 @@ from typing import get_args
 
 import pytest
 
+from edgevox.agent.policy.guard import explain
 from edgevox.agent.policy.policy import PolicyFile, Rule, WayName, parse_policy, read_policy_file
-from edgevox.agent.policy.status import explain
 from edgevox.apps.agent.policy import known_names
 from edgevox.core.commands import Way
 from edgevox.robots.flat.apartment import ApartmentRobot

@@ -8,8 +8,7 @@ import pytest
 from support.clock import HeldClock
 
 from edgevox.agent.policy import CheckedCall, Denied, Guard, NeedsConfirmation, PolicyContext
-from edgevox.agent.policy.guard import TELL_EVERY_S
-from edgevox.agent.policy.status import NO_FILE, PolicyComponent
+from edgevox.agent.policy.guard import NO_FILE, TELL_EVERY_S, PolicyComponent
 from edgevox.apps.agent.policy import build_guard, known_names, policy_context
 from edgevox.core.agent_events import GoalRejected, as_json
 from edgevox.core.bus import Bus

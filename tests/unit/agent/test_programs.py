@@ -70,6 +70,16 @@ def test_an_order_is_done_so_many_times(talk, quick_rounds):
     assert talk.programs == ["running", "running", "running", "done"]
 
 
+def test_the_robot_waits_between_two_drives_and_says_when_it_goes_on(talk):
+    told = talk.ask("go to the kitchen, wait there for 0.1 seconds and come back")
+    assert told == "Going to the kitchen. Then: waiting 1 second. Then: going back."
+    talk.body.arrive(1)
+    talk.until_said("Going to x 1, y 2.")
+    talk.body.arrive(1)
+    talk.ended()
+    assert talk.body.visited == ["kitchen", "1, 2"]
+
+
 def test_rounds_that_are_over_at_once_do_not_spin(talk, monkeypatch):
     monkeypatch.setattr(run, "SHORTEST_ROUND_S", 2 * HUNG_S)
     talk.body.arrive()

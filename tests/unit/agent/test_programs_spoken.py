@@ -5,22 +5,15 @@ from functools import cache
 
 import pytest
 from few_languages import few
-from hassil.expression import (
-    Alternative,
-    Expression,
-    ListReference,
-    RuleReference,
-    Sequence,
-    TextChunk,
-)
-from hassil.parse_expression import parse_sentence
-from support.bodies import BODIES
+from support.bodies import BODIES, written
 
 from edgevox.agent.nlu.order_reader import ProgramReader, Unclear
 from edgevox.agent.nlu.orders import (
     After,
     Arrived,
     BatteryBelow,
+    Do,
+    Pause,
     Program,
     Repeat,
     Return,
@@ -73,7 +66,7 @@ PLACES = {
     "ja": "キッチンと書斎",
     "zh": "厨房和书房",
 }
-KINDS = ("low", "after", "until", "times", "arrived", "saying", "back", "patrol", "clock")
+KINDS = ("low", "wait", "after", "until", "times", "arrived", "saying", "back", "patrol", "clock")
 
 
 def worded(code: str, template: str, source: random.Random) -> str:
@@ -90,26 +83,7 @@ def worded(code: str, template: str, source: random.Random) -> str:
         **NUMBERS,
     }
 
-    def write(part: Expression) -> str:
-        match part:
-            case TextChunk():
-                return part.original_text
-            case Alternative():
-                return write(source.choice(part.items))
-            case Sequence():
-                return "".join(write(item) for item in part.items)
-            case ListReference(list_name=name):
-                return words[name]
-            case RuleReference(rule_name=name):
-                return write(_parsed(book.programs.rules[name]))
-        raise TypeError(part)
-
-    return " ".join(write(_parsed(template)).split())
-
-
-@cache
-def _parsed(template: str) -> Expression:
-    return parse_sentence(template).expression
+    return written(template, book.programs.rules, words.__getitem__, source)
 
 
 @cache
@@ -133,6 +107,8 @@ def is_one(code: str, kind: str, program: object) -> bool:
             return True
         case "after", After(delay_s=delay_s):
             return delay_s in (10.0, 300.0, 310.0, 7200.0, 7500.0)
+        case "wait", Steps(steps=(Do(), Pause(seconds=seconds), *_)):
+            return seconds in (10.0, 300.0, 310.0, 7200.0, 7500.0)
         case (("until" | "patrol"), Repeat(count=None)):
             return True
         case "times", Repeat(count=3.0):
@@ -173,6 +149,14 @@ ENGLISH_WORDS = [
     ("go to the office in an hour and a half", After),
     ("in ninety seconds say the tea is ready", After),
     ("go to the kitchen twice", Repeat),
+    ("go two times to the kitchen", Repeat),
+    ("go to the kitchen, wait there for ten seconds and come back", Steps),
+    ("go to the kitchen, stay there for ten seconds, then go to the office", Steps),
+    ("go to the kitchen and stay there for ten seconds", Steps),
+    (
+        "go to the kitchen, wait ten seconds, go to the office, then to the bedroom",
+        type(None),
+    ),
     ("patrol the kitchen, the office and the bedroom", Repeat),
     ("drive to the kitchen over and over again", Repeat),
     ("go to the kitchen when your battery falls under 15 percent", When),

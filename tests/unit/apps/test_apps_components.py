@@ -44,7 +44,8 @@ def test_every_agent_lists_the_same_components_and_what_is_off_is_well(listed):
     assert [one.name for one in report] == [row.name for row in COMPONENTS]
     off = {one.name: one.level for one in report if one.message.startswith("off")}
     assert off == dict.fromkeys(
-        ["audio", "stt", "llm", "tts", "sim", "executor", "presence", "console"], Level.OK
+        ["audio", "stt", "llm", "tts", "sim", "executor", "presence", "console", "recordings"],
+        Level.OK,
     )
     assert all(row.name in DIAGNOSTICS.about for row in COMPONENTS)
 

@@ -82,3 +82,8 @@ def test_edgevox_doctor_is_the_doctor(capsys):
     assert "astrology" in capsys.readouterr().err
     assert edgevox.main(["doctor", "--only", "python", "--json"]) == 0
     assert json.loads(capsys.readouterr().out)["checks"][0]["check"] == "python"
+
+
+def test_a_flag_that_is_nonsense_is_a_finding(capsys):
+    assert edgevox.main(["doctor", "--only", "settings", "--robot-namespace", "my robot"]) == 1
+    assert "got 'my robot'" in capsys.readouterr().out

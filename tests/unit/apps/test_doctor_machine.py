@@ -7,7 +7,7 @@ from gguf_files import small_gguf
 from edgevox.agent.llm import weights
 from edgevox.agent.llm.factory import load_model
 from edgevox.agent.llm.language_model import ModelFailed
-from edgevox.apps.doctor import machine, model_files, sound
+from edgevox.apps.doctor import machine, sound
 from edgevox.apps.doctor import machine as graphics
 from edgevox.models import Store
 from edgevox.ops.machine import MIB
@@ -157,7 +157,7 @@ SEEN = {
     ],
 )
 def test_models_that_are_needed_must_be_right(found, expected):
-    said = model_files.judge_models(SEEN | {"found": SEEN["found"] | found}, situation())
+    said = machine.judge_models(SEEN | {"found": SEEN["found"] | found}, situation())
     assert levels(said) == expected
     for name, state in found.items():
         if state == "damaged":
@@ -165,17 +165,15 @@ def test_models_that_are_needed_must_be_right(found, expected):
 
 
 def test_what_is_needed_follows_from_the_settings():
-    assert list(model_files.needed(situation(text_mode=True, llm="none"))) == []
-    assert list(model_files.needed(situation(llm="none", wakeword="hey jarvis"))) == [
+    assert list(machine.needed(situation(text_mode=True, llm="none"))) == []
+    assert list(machine.needed(situation(llm="none", wakeword="hey jarvis"))) == [
         "whisper-tiny.en",
         "micro-wake-words",
     ]
     other = situation(llm="none", wakeword="hey rhasspy", wakeword_engine="openwakeword")
-    assert list(model_files.needed(other)) == ["whisper-tiny.en", "wake-words"]
-    assert list(model_files.needed(situation(llm="none", wakeword="own.json"))) == [
-        "whisper-tiny.en"
-    ]
-    assert "franka-panda" in model_files.needed(situation(agent="robot-panda"))
+    assert list(machine.needed(other)) == ["whisper-tiny.en", "wake-words"]
+    assert list(machine.needed(situation(llm="none", wakeword="own.json"))) == ["whisper-tiny.en"]
+    assert "franka-panda" in machine.needed(situation(agent="robot-panda"))
 
 
 def test_a_truncated_and_an_altered_file_are_damaged_and_one_that_is_gone_absent(
@@ -183,17 +181,17 @@ def test_a_truncated_and_an_altered_file_are_damaged_and_one_that_is_gone_absent
 ):
     monkeypatch.setenv("EDGEVOX_MODELS_DIR", str(tmp_path))
     here = situation(llm="none", text_mode=False)
-    assert model_files.probe_models(here)["found"]["whisper-tiny.en"] == "absent"
+    assert machine.probe_models(here)["found"]["whisper-tiny.en"] == "absent"
     folder = tmp_path / "whisper-tiny.en"
     folder.mkdir()
     (folder / "model.bin").write_bytes(b"cut")
-    facts = model_files.probe_models(here)
+    facts = machine.probe_models(here)
     assert facts["found"]["whisper-tiny.en"] == "damaged"
-    assert levels(model_files.judge_models(facts, here))[0] is ERROR
+    assert levels(machine.judge_models(facts, here))[0] is ERROR
     (folder / "model.bin").unlink()
     file = min(Store().manifest.models["whisper-tiny.en"].files, key=lambda one: one.size)
     (folder / file.name).write_bytes(b"x" * file.size)
-    assert model_files.probe_models(here)["found"]["whisper-tiny.en"] == "damaged"
+    assert machine.probe_models(here)["found"]["whisper-tiny.en"] == "damaged"
 
 
 DEVICES = {"library": "", "inputs": ["USB microphone"], "outputs": ["HDMI"]}

@@ -2,7 +2,7 @@
 
 from doctor_rig import ERROR, OK, WARNING, levels, situation
 
-from edgevox.agent.policy.status import NO_FILE
+from edgevox.agent.policy.guard import NO_FILE
 from edgevox.apps.doctor.robots import judge_policy, probe_policy
 
 

@@ -4,7 +4,7 @@ import pytest
 from doctor_rig import ERROR, OK, SKIPPED, WARNING, levels, situation
 from enclaves_rig import DAY, NOW, make_enclave
 
-from edgevox.apps.doctor import robots, ros, security
+from edgevox.apps.doctor import robots, ros
 
 BUILT = {"middleware": "rmw_fastrtps_cpp", "security": True, "bundled_openssl": ""}
 
@@ -12,9 +12,9 @@ BUILT = {"middleware": "rmw_fastrtps_cpp", "security": True, "bundled_openssl": 
 @pytest.fixture
 def judged(monkeypatch):
     def judge(build=BUILT, **environment):
-        monkeypatch.setattr(security, "probe_apart", lambda _: build)
+        monkeypatch.setattr(ros, "probe_apart", lambda _: build)
         here = situation(environment=environment)
-        return security.judge_security(security.probe_security(here), here)
+        return ros.judge_security(ros.probe_security(here), here)
 
     return judge
 

@@ -106,7 +106,7 @@ def test_what_is_odd_but_allowed_is_said(given, warning):
 
 @pytest.mark.parametrize(
     "name",
-    ["EDGEVOX_PORT", "EDGEVOX_SERVICE_HOST", "EDGEVOX_METRICS_PORT_9100_TCP_ADDR", "EDGEVOX_IMAGE"],
+    ["EDGEVOX_PORT", "EDGEVOX_SERVICE_HOST", "EDGEVOX_METRICS_PORT_9100_TCP_ADDR", "EDGEVOX_UID"],
 )
 def test_what_kubernetes_and_compose_set_is_no_misspelling(name):
     _prepared(**{name: "x"})

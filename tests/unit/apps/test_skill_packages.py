@@ -6,7 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from edgevox.apps.agent.main import check_robot, parse_arguments
+from edgevox.apps.agent.check import check_robot
+from edgevox.apps.agent.main import parse_arguments
 from edgevox.apps.robots import build_agents, build_body, gather_skills
 from edgevox.core.errors import InvalidValue
 from edgevox.core.settings import load_settings

@@ -220,13 +220,15 @@ def test_an_entry_overrules_what_counts_for_all_even_with_nothing_and_false() ->
     }
 
 
-def test_the_key_of_the_endpoint_is_a_file_from_a_secret_and_no_variable() -> None:
-    llm = {"endpoint": "http://llm", "endpointKeySecret": {"name": "llm-key", "key": "k"}}
-    pod = solo(llm=llm)
-    (mount,) = [m for m in pod["containers"][0]["volumeMounts"] if m["name"] == "llm-key"]
-    (volume,) = [v for v in pod["volumes"] if v["name"] == "llm-key"]
+@pytest.mark.parametrize("part", ["llm", "stt", "tts"])
+def test_the_key_of_an_endpoint_is_a_file_from_a_secret_and_no_variable(part: str) -> None:
+    server = {"endpoint": "http://llm", "endpointKeySecret": {"name": "a-key", "key": "k"}}
+    pod = solo(**{part: server})
+    (mount,) = [m for m in pod["containers"][0]["volumeMounts"] if m["name"] == f"{part}-key"]
+    (volume,) = [v for v in pod["volumes"] if v["name"] == f"{part}-key"]
 
-    assert environment(pod)["EDGEVOX_LLM_ENDPOINT_KEY_FILE"] == f"{mount['mountPath']}/key"
+    field = f"EDGEVOX_{part.upper()}_ENDPOINT_KEY_FILE"
+    assert environment(pod)[field] == f"{mount['mountPath']}/key"
     assert mount["readOnly"] is True
     assert volume["secret"]["items"] == [{"key": "k", "path": "key"}]
     assert volume["secret"]["defaultMode"] == 0o440

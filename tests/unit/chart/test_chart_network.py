@@ -64,6 +64,18 @@ def test_an_endpoint_is_reached_on_its_port() -> None:
         assert rule == {"ports": [{"protocol": "TCP", "port": port}]}
 
 
+def test_servers_that_hear_and_speak_are_reached_on_their_ports() -> None:
+    speech = {"stt": {"endpoint": "tcp://speech:10300"}, "tts": {"endpoint": "https://speech/v1"}}
+    lan = {"ipBlock": {"cidr": "192.168.1.0/24"}}
+    anywhere = policies(ONE | speech)["solo"]["egress"]
+    near = policies(ONE | speech | {"networkPolicy": {"speech": [lan]}})["solo"]["egress"]
+
+    assert anywhere[-2:] == [
+        {"ports": [{"protocol": "TCP", "port": port}]} for port in (10300, 443)
+    ]
+    assert near[-2:] == [one | {"to": [lan]} for one in anywhere[-2:]]
+
+
 def test_who_else_is_named_may_talk_both_ways() -> None:
     lan = {"ipBlock": {"cidr": "192.168.1.0/24"}}
     monitoring = {"namespaceSelector": {"matchLabels": {"a": "b"}}}

@@ -2,6 +2,7 @@
 
 import os
 import subprocess
+import time
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +14,7 @@ from chart_rig import ONE, chart, environment, objects, pods, solo, validate
 from edgevox.apps.container import prepared
 from edgevox.apps.recorder import parse_arguments
 from edgevox.ros2.recordings import UPLOAD_FAILED, WhenFull
-from edgevox.ros2.robot_file.format import load_robot_file
+from edgevox.ros2.robot_file.load import load_robot_file
 
 EXAMPLES = sorted(
     one for one in (chart.CHART / "examples").glob("*.yaml") if "rendered" not in one.name
@@ -285,6 +286,20 @@ def test_an_upload_that_failed_is_told_until_one_succeeds(tmp_path) -> None:
     first = (tmp_path / "log").read_text().splitlines()[0]
     assert " copy /recordings store:robots/solo --include *.{mcap,yaml} --immutable " in first
     assert "min-age" not in first
+
+
+def test_an_upload_of_which_no_run_ends_is_started_again(tmp_path) -> None:
+    (made,) = upload_of(ONE | UPLOAD)
+    ended = tmp_path / "ended"
+    ended.touch()
+    probe = [
+        part.replace("/tmp/ended", str(ended))  # noqa: S108
+        for part in made["livenessProbe"]["exec"]["command"]
+    ]
+    assert subprocess.run(probe).returncode == 0
+    hours_ago = time.time() - 3 * 3600
+    os.utime(ended, (hours_ago, hours_ago))
+    assert subprocess.run(probe).returncode == 1
 
 
 def test_nothing_is_uploaded_unless_it_is_said_where_and_by_what() -> None:

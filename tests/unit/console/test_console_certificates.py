@@ -8,7 +8,7 @@ from pathlib import Path
 import aiohttp
 import pytest
 
-from edgevox.console import console_server
+from edgevox.console import page_server
 from edgevox.console.certificates import DAYS, RENEW_DAYS, local_names, own_tls
 from edgevox.console.console_server import tls_of
 from edgevox.console.tls import CurrentTls, Tls
@@ -162,7 +162,7 @@ async def _shown(port: int, tls: Tls) -> bytes:
 def test_it_is_renewed_while_it_runs_and_who_is_there_stays(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(console_server, "RENEW_LOOK_S", 0.01)
+    monkeypatch.setattr(page_server, "RENEW_LOOK_S", 0.01)
     held = [utc_now() - timedelta(days=DAYS - RENEW_DAYS + 1)]
     tls = own_tls(tmp_path, NAMES, lambda: held[0])
     with console(tmp_path, tls) as rig:

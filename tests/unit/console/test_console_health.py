@@ -9,8 +9,8 @@ from support.clock import HeldClock
 from waiting import wait_until
 
 from edgevox.apps import health as edgevox_health
-from edgevox.console.console_server import Liveness
 from edgevox.console.door import Door, cut
+from edgevox.console.page_server import Liveness
 from edgevox.core.status import STALL_S, Components, Level
 from edgevox.ops.health import Health, HealthServer
 from tests.console_rig import Rig, console

@@ -8,7 +8,7 @@ import pytest
 from code_files import trees
 
 import edgevox
-from edgevox.apps.flags import add_flags, given_flags
+from edgevox.apps.flags import FIRST, GROUPS, add_flags, given_flags, group_of
 from edgevox.core.errors import EdgeVoxError, InvalidValue
 from edgevox.core.settings import Settings, load_settings
 
@@ -114,6 +114,18 @@ def test_what_a_setting_may_be_chosen_from_is_written_down_once():
     counts = Counter(written)
     assert counts["cancel", "gate", "none"] == 1
     assert [one for one in choices if counts[one] > 1] == []
+
+
+def test_the_help_shows_every_flag_in_its_group_and_what_matters_first_first():
+    parser = argparse.ArgumentParser()
+    add_flags(parser)
+    text = parser.format_help().partition("first of all:")[2]
+
+    for name in FIRST:
+        assert f"\n  --{name.replace('_', '-')}" in text.partition("conversation:")[0]
+    at = [text.index(f"\n{title}:") for title in GROUPS]
+    assert at == sorted(at)
+    assert {group_of(name) for name in Settings.model_fields} == {"first of all", *GROUPS}
 
 
 @pytest.mark.parametrize(

@@ -9,7 +9,7 @@ from types import SimpleNamespace
 import pytest
 from support.clock import HeldClock
 
-from edgevox.agent.llm.status import LlmComponent
+from edgevox.agent.llm.language_model import LlmComponent
 from edgevox.core.bus import Bus
 from edgevox.core.events import AudioLevel, Outcome, TokenGenerated, TurnEnded, TurnMeasured
 from edgevox.core.languages import LANGUAGES

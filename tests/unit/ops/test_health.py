@@ -4,21 +4,35 @@ import contextlib
 import http.client
 import json
 import math
+import resource
 import socket
 import threading
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
 from types import SimpleNamespace
 
 import pytest
 from support.clock import HeldClock
 from waiting import wait_until
 
+from edgevox import __version__
 from edgevox.apps import health as command
 from edgevox.core.agent_events import DrainStatus
 from edgevox.core.errors import InvalidValue
 from edgevox.core.settings import ENV_PREFIX, Settings
-from edgevox.core.status import STALL_S, Components, HealthCheck, lives, moves
+from edgevox.core.status import (
+    STALL_S,
+    Components,
+    Finding,
+    HealthCheck,
+    Level,
+    Status,
+    lives,
+    moves,
+)
 from edgevox.ops.health import Health, HealthServer
 from edgevox.ops.http_server import MOST_AT_ONCE, is_here
+from edgevox.ops.system_clock import ClockComponent
 from edgevox.robots.sim_loop import SimLoop
 from edgevox.ros2.node import Heartbeat
 
@@ -251,26 +265,47 @@ def test_the_command_tells_and_its_exit_code_does(health, server, monkeypatch, c
     assert command.main(["--ready"]) == command.WELL
 
 
+@contextmanager
+def full_disk():
+    """Nothing of this process can write a byte to a file."""
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (0, before[1]))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
+
+
 def test_an_agent_that_was_alive_and_is_frozen_is_killed_after_a_while(monkeypatch, tmp_path):
     killed = []
     monkeypatch.setattr(command, "FROZEN_NOTE", tmp_path / "note")
     monkeypatch.setattr(command, "agents_of_init", lambda: [7])
     monkeypatch.setattr(command.os, "kill", lambda *told: killed.append(told))
     late_s = command.FROZEN_S
-
-    for now_s in (0.0, 2 * late_s):  # one that starts
-        command.note_frozen(False, now_s)
-    command.note_frozen(True, 100.0)
-    command.note_frozen(False, 101.0)
-    command.note_frozen(False, 101.0 + late_s - 0.1)
-    command.note_frozen(True, 101.0 + late_s)
-    command.note_frozen(False, 200.0)
-    command.note_frozen(False, 200.0 + late_s - 0.1)
-    assert killed == []
-    command.note_frozen(False, 200.0 + late_s)
-    assert killed == [(7, 9)]
-    command.note_frozen(False, 300.0 + late_s)
+    looks = [
+        *((False, 0.0), (False, 2 * late_s)),  # one that starts
+        *((True, 100.0), (False, 101.0), (False, 101.0 + late_s - 0.1), (True, 101.0 + late_s)),
+        *((False, 200.0), (False, 200.0 + late_s - 0.1)),
+    ]
+    with full_disk():
+        full = isinstance(attempt(lambda: (tmp_path / "other").write_text("x")), OSError)
+        for lives, now_s in looks:
+            command.note_frozen(lives, now_s)
+        before = list(killed)
+        command.note_frozen(False, 200.0 + late_s)
+        command.note_frozen(False, 300.0 + late_s)
+    assert full
+    assert before == []
     assert killed == [(7, 9)], "the next one is new, and has not answered yet"
+
+
+def attempt(act):
+    """The error of an act; None where there is none."""
+    try:
+        act()
+    except OSError as error:
+        return error
+    return None
 
 
 def test_a_health_check_notes_whether_the_agent_lives(health, server, monkeypatch, tmp_path):
@@ -282,10 +317,19 @@ def test_a_health_check_notes_whether_the_agent_lives(health, server, monkeypatc
     assert not note.exists()
     said["dead"] = ""
     assert command.main(["--ready", "--end-frozen"]) == 1, "alive, and not ready yet"
-    assert note.read_text() == ""
+    assert note.stat().st_mtime == 0
     said["dead"] = "stuck"
     command.main(["--ready", "--end-frozen"])
-    assert float(note.read_text()) > 0
+    assert note.stat().st_mtime > 0
+
+
+def test_a_health_check_says_how_it_is_where_it_can_note_nothing(
+    health, server, monkeypatch, tmp_path
+):
+    monkeypatch.setenv("EDGEVOX_HEALTH_PORT", str(server.port))
+    monkeypatch.setattr(command, "FROZEN_NOTE", tmp_path / "gone" / "note")
+    health.started()
+    assert command.main(["--ready", "--end-frozen"]) == command.WELL
 
 
 def test_only_a_containers_own_agent_is_killed(tmp_path):
@@ -315,3 +359,75 @@ def test_the_commands_variables_are_the_settings():
     names = {f"{ENV_PREFIX}{name.upper()}" for name in Settings.model_fields}
     assert {command.PORT, command.HOST} <= names
     assert Settings.model_fields["health_host"].default == command.LOOPBACK[4]
+
+
+class Part:
+    """A component that is as it is told to be."""
+
+    checks = ()
+
+    def __init__(self, name: str, look) -> None:
+        self.name, self.status = name, look
+
+
+def told_by(*parts) -> HealthServer:
+    return HealthServer(Health(Components(*parts)), "127.0.0.1", 0)
+
+
+@contextmanager
+def answering(one: HealthServer):
+    one.start()
+    try:
+        yield one
+    finally:
+        one.close()
+
+
+def test_its_status_tells_what_it_is_and_how_each_component_is(monkeypatch):
+    monkeypatch.setenv("EDGEVOX_IMAGE", "edgevox-ros2:7")
+    warned = [Finding(Level.WARN, "battery at 9 %")]
+    sim = Part("sim", lambda: Status.judged("sim", warned, battery=0.09))
+    console = Part("console", lambda: Status.judged("console", commander="Anna's phone"))
+    with answering(told_by(sim, console)) as one:
+        status, told = ask(one, "/status")
+    assert (status, told["version"], told["image"]) == (200, __version__, "edgevox-ros2:7")
+    first, second = told["components"]
+    assert first["message"] == "battery at 9 %"
+    assert (first["level"], first["values"]) == (Level.WARN, {"battery": 0.09})
+    assert (second["name"], second["values"]) == ("console", {}), "it would tell who is there"
+
+
+def test_a_component_that_hangs_keeps_nobody_from_knowing_whether_it_lives():
+    hangs = threading.Event()
+    asked = threading.Event()
+
+    def look() -> Status:
+        asked.set()
+        hangs.wait()
+        return Status.judged("sim")
+
+    with answering(told_by(Part("sim", look))) as one, ThreadPoolExecutor(1) as pool:
+        status = pool.submit(ask, one, "/status")
+        assert asked.wait(60)
+        assert ask(one, "/live")[0] == 200
+        hangs.set()
+        assert status.result()[0] == 200
+
+
+@pytest.mark.parametrize(
+    ("synchronised", "now_s", "level"),
+    [
+        (True, 2e9, Level.OK),
+        (None, 2e9, Level.OK),
+        (False, 2e9, Level.WARN),
+        (True, 1e9, Level.ERROR),
+    ],
+)
+def test_a_clock_that_is_not_synchronised_is_told_and_makes_nothing_unready(
+    synchronised, now_s, level
+):
+    clock = ClockComponent(lambda: synchronised, lambda: now_s)
+    assert clock.status().level is level
+    health = Health(Components(clock))
+    health.started()
+    assert health.ready().well

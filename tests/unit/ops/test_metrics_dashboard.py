@@ -177,7 +177,7 @@ def test_prometheus_reads_the_rules_and_every_robot_of_the_fleet() -> None:
     (robots,) = jobs["edgevox"]["dns_sd_configs"]
 
     assert config["rule_files"] == ["/etc/prometheus/alerts.yml"]
-    assert set(robots["names"]) == {*fleet["services"], "recorder"}
+    assert {*robots["names"], "fleet-page"} == {*fleet["services"], "recorder"}
     assert jobs["edgevox"]["relabel_configs"][0]["target_label"] == "robot"
 
 

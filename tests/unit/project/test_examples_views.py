@@ -1,14 +1,16 @@
-"""The views of examples/foxglove and examples/rviz show topics that there are, as what they are.
+"""The views of Foxglove, PlotJuggler and RViz show topics that there are, as what they are.
 
 Nobody opened them here: that each panel looks as meant is not tested. That none waits for a topic
 which no robot has, or of another type, or by a quality of service that nobody offers, is.
 """
 
+import importlib
 import json
 import tomllib
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
+from xml.etree import ElementTree as ET
 
 import pytest
 import yaml
@@ -43,13 +45,6 @@ DISPLAYS = {
     "SetGoal": "geometry_msgs/msg/PoseStamped",
 }
 """RViz's displays and tools, and what each takes."""
-FIELDS = {
-    "std_msgs/msg/String": "data",
-    "geometry_msgs/msg/PoseStamped": "pose",
-    "geometry_msgs/msg/Twist": "linear",
-    "nav_msgs/msg/Odometry": "twist",
-}
-"""What a path after a topic begins with."""
 
 
 def _offered(robot: str) -> dict[str, Any]:
@@ -99,7 +94,19 @@ def _leaves(tree: Any) -> list[str]:
     return _leaves(tree["first"]) + _leaves(tree["second"])
 
 
-@pytest.mark.parametrize("folder", ["foxglove", "rviz"])
+def _has(row: Any, path: list[str]) -> bool:
+    """Whether a message of the topic, in one of its types, has a number or text there."""
+    for type_ in getattr(row, "types", (row.type,)):
+        package, _, name = type_.split("/")
+        value = getattr(importlib.import_module(f"{package}.msg"), name)()
+        for part in path:
+            value = getattr(value, part, None)
+        if isinstance(value, (int, float, str)):
+            return True
+    return False
+
+
+@pytest.mark.parametrize("folder", ["foxglove", "plotjuggler", "rviz"])
 def test_each_robot_has_a_view(folder):
     assert {one.stem for one in (ROOT / "examples" / folder).iterdir()} == set(ROBOTS)
 
@@ -119,8 +126,19 @@ def test_what_foxglove_shows_is_a_topic_that_the_robot_has(robot):
         for path in named:
             topic, _, field = path.partition(".")
             assert topic in offered, f"{panel}: {path}"
-            if field:
-                assert field.split(".")[0] == FIELDS[offered[topic].type], f"{panel}: {path}"
+            assert not field or _has(offered[topic], field.split(".")), f"{panel}: {path}"
+
+
+@pytest.mark.parametrize("robot", ROBOTS)
+def test_what_plotjuggler_draws_is_a_number_of_a_topic_that_it_subscribes_to(robot):
+    root = ET.parse(ROOT / "examples" / "plotjuggler" / f"{robot}.xml").getroot()  # noqa: S314
+    subscribed = root.find("Plugins/plugin/selected_topics").attrib["value"].split(";")
+    offered = {topic: _offered(robot)[topic] for topic in subscribed}
+    curves = [one.attrib["name"] for one in root.iter("curve")]
+    assert curves
+    for curve in curves:
+        (topic,) = [one for one in subscribed if curve.startswith(f"{one}/")]
+        assert _has(offered[topic], curve.removeprefix(f"{topic}/").split("/")), curve
 
 
 @pytest.mark.parametrize("robot", ROBOTS)

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from edgevox.core.transforms import ORIGIN, Pose2D
-from edgevox.robots.occupancy_map import FREE, OCCUPIED, UNKNOWN, OccupancyMap
+from edgevox.robots.capabilities import FREE, OCCUPIED, UNKNOWN, OccupancyMap
 
 TURNED = Pose2D(10.0, -3.0, math.pi / 2)
 

@@ -13,8 +13,14 @@ from edgevox.agent.skills import SkillFailed
 from edgevox.core.transforms import Pose2D
 from edgevox.robots.capabilities import LidarScan, Twist2D
 from edgevox.robots.command_mux import STILL, clamped
-from edgevox.robots.lidar import blocked, sees
-from edgevox.robots.relative_motion import Caution, RelativeMotion, StraightCourse, TurnCourse
+from edgevox.robots.relative_motion import (
+    Caution,
+    RelativeMotion,
+    StraightCourse,
+    TurnCourse,
+    blocked,
+    sees,
+)
 from edgevox.robots.world.model import RobotSpec
 
 TICK_S = 0.05

@@ -37,21 +37,30 @@ class FakeBackend:
     def cancel(self, estimate: PoseEstimate | None) -> None:
         self.cancelled += 1
 
+    def tick(self, now_s: float, estimate: PoseEstimate) -> bool:
+        self.ticked_s = now_s
+        return False
+
+    def left_m(self, estimate: PoseEstimate) -> float:
+        return 1.0
+
 
 class Robot:
     """A control loop with wheels that note what they are told, and a robot that stands."""
 
     def __init__(self) -> None:
         self.told: list[Twist2D] = []
+        self.clock = HeldClock()
+        self.heard: PoseEstimate | None = HERE
         senses = SimpleNamespace(
-            estimate=lambda: HERE,
-            odometry_history=SimpleNamespace(still=lambda: True),
+            estimate=lambda: self.heard,
+            odometry_history=SimpleNamespace(still=lambda: True, stands=lambda _: False),
             odom_topic="/odom",
         )
         wheels = SimpleNamespace(turn=self.told.append)
         goals = SimpleNamespace(recall=lambda _: None)
         self.control = ControlLoop(
-            threading.RLock(), senses, wheels, goals, clock=HeldClock(), obey_s=3.0
+            threading.RLock(), senses, wheels, goals, clock=self.clock, obey_s=3.0
         )
 
     def drive(self, backend: FakeBackend) -> ExternalNavigation:
@@ -95,3 +104,48 @@ def test_the_drive_before_it_is_over_too_and_the_next_one_drives(robot) -> None:
 
     assert robot.control.mux.motion is after
     assert robot.control.hold.done
+
+
+def _tick_after(robot: Robot, seconds: float) -> None:
+    robot.clock.advance(seconds)
+    robot.control.tick()
+
+
+def test_a_robot_is_not_silent_because_edgevox_did_not_listen(robot) -> None:
+    backend = FakeBackend("cmd_vel")
+    drive = robot.drive(backend)
+    robot.control.start(drive, HERE)
+    _tick_after(robot, 0.05)
+
+    robot.heard = None  # what it said stands in the queue
+    _tick_after(robot, 2.0)
+    assert not drive.done
+    assert backend.ticked_s == pytest.approx(0.05)
+
+    robot.heard = HERE
+    _tick_after(robot, 0.05)
+    assert not drive.done
+    assert backend.ticked_s == pytest.approx(2.1)
+
+
+@pytest.mark.parametrize("again_s", [0.05, 2.0])
+def test_a_robot_that_is_silent_at_the_next_tick_too_is_stopped(robot, again_s) -> None:
+    drive = robot.drive(FakeBackend("cmd_vel"))
+    robot.control.start(drive, HERE)
+    robot.heard = None
+    _tick_after(robot, 2.0)
+    assert robot.told == []
+
+    _tick_after(robot, again_s)
+
+    assert drive.error.reason.code == "robot_silent"
+    assert robot.told == [STILL]
+
+
+def test_a_hold_goes_on_in_a_late_tick_too(robot) -> None:
+    robot.control.mux.halt(Cancelled("a test"))
+    told = len(robot.told)
+
+    _tick_after(robot, 2.0)
+
+    assert robot.told[told:] == [STILL]

@@ -9,7 +9,7 @@ from nav_msgs.msg import MapMetaData, OccupancyGrid
 from rclpy.serialization import serialize_message
 
 from edgevox.core.errors import InvalidValue
-from edgevox.robots.occupancy_map import FREE, OCCUPIED, UNKNOWN
+from edgevox.robots.capabilities import FREE, OCCUPIED, UNKNOWN
 from edgevox.ros2.external.inputs import MOST_CELLS, MOST_SHOWN, MapInput, map_of
 from edgevox.ros2.external.topic_types import TopicTypes
 

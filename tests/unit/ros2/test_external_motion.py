@@ -13,7 +13,7 @@ from edgevox.agent.phrases.load import phrasebook
 from edgevox.agent.skills import SkillFailed
 from edgevox.core.transforms import Pose2D
 from edgevox.robots.capabilities import LidarScan, Twist2D
-from edgevox.robots.lidar import blocked
+from edgevox.robots.relative_motion import blocked
 from edgevox.ros2.external.navigation import ProgressWatch
 from edgevox.ros2.external.odometry import OdometryHistory, OdometrySample
 from edgevox.ros2.external.settings import Patience, Speeds, sweeps

@@ -8,7 +8,7 @@ from sensor_msgs.msg import PointCloud2, PointField
 
 from edgevox.core.errors import InvalidValue
 from edgevox.core.transforms import Pose3D
-from edgevox.robots.lidar import blocked, sees
+from edgevox.robots.relative_motion import blocked, sees
 from edgevox.ros2.external.point_cloud import points_of, scan_of
 
 ABOVE = Pose3D(0.2, 0.0, 0.5)

@@ -11,7 +11,7 @@ from support.clock import HeldClock
 from edgevox.core.cancel import Cancelled, CancelToken
 from edgevox.ros2.clients import Newest, TookTooLong
 from edgevox.ros2.robot_file.live import value_of
-from edgevox.ros2.robot_file.messages import LONGEST_SHOWN, LONGEST_TEXT, brief
+from edgevox.ros2.robot_file.paths import LONGEST_SHOWN, LONGEST_TEXT, brief
 from edgevox.ros2.robot_file.steps import ResultValue
 
 MOMENT_S = 0.2

@@ -1,0 +1,144 @@
+"""The state of a robot by its file: values that it tells on topics, and what needs them.
+
+A state is one value of a topic's newest message. `needs` of a skill, and of driving, are conditions
+of such values: where one is not so, or is not known, nothing begins, and the robot says why.
+"""
+
+from collections.abc import Mapping, Sequence
+from math import isfinite
+from typing import Any
+
+from rclpy.node import Node
+
+from edgevox.agent.skills import SkillFailed
+from edgevox.core.cancel import CancelToken
+from edgevox.core.clock import Clock
+from edgevox.core.files.validation import Place, Problems
+from edgevox.core.files.yaml_file import YamlFile
+from edgevox.core.reason import Reason
+from edgevox.ros2.clients import THERE_S, TopicListener, interface_reason
+from edgevox.ros2.robot_file.format import BATTERY, Need, RobotFile, SkillEntry, StateEntry
+from edgevox.ros2.robot_file.live import compares, value_of
+from edgevox.ros2.robot_file.messages import InterfaceMissing, constant
+from edgevox.ros2.robot_file.plan import ANY, PlannedState, Planner
+from edgevox.ros2.robot_file.steps import Step
+
+
+class RobotStates:
+    """What a robot tells of itself; call `open` before a value is asked for."""
+
+    def __init__(self, planned: Mapping[str, PlannedState], driving: Sequence[Need] = ()) -> None:
+        self._planned, self._driving = planned, driving
+        self._heard: Mapping[str, TopicListener] = {}
+
+    def open(self, node: Node, clock: Clock) -> None:
+        """Listen on this node, which is not yet spun."""
+        self._heard = {
+            name: TopicListener(node, one.type, one.entry.topic, clock, latched=one.entry.latched)
+            for name, one in self._planned.items()
+        }
+
+    def close(self) -> None:
+        """The node is gone, and nothing is known."""
+        self._heard = {}
+
+    @property
+    def has_battery(self) -> bool:
+        """Whether one of them is the charge of the robot's battery."""
+        return BATTERY in self._planned
+
+    def battery(self) -> float:
+        """The charge, from 0 to 1. Raises `SkillFailed` while it is not known."""
+        message = self._heard[BATTERY].newest() if BATTERY in self._heard else None
+        value = None if message is None else self._value(BATTERY, message)
+        if not isinstance(value, int | float) or not isfinite(value):
+            raise SkillFailed(interface_reason("unheard", what=BATTERY))
+        return min(1.0, max(0.0, float(value)))
+
+    def check_driving(self, token: CancelToken) -> None:
+        """Raise as `check` does for what driving needs."""
+        self.check(self._driving, token)
+
+    def check(self, needs: Sequence[Need], token: CancelToken) -> None:
+        """Raise `SkillFailed` for the first of these that is not met, or not known within seconds.
+
+        Raises `Cancelled`, too.
+        """
+        for need in needs:
+            value = self._awaited(need.state, token)
+            wanted = constant(self._planned[need.state].owner, need.equals)
+            if not compares(value, need, wanted):
+                told = {code: text for code, text in need.languages.items() if text}
+                told["en"] = need.failed
+                raise SkillFailed(Reason(need.failed, "not_now", {}, told, is_sentence=True))
+
+    def _awaited(self, name: str, token: CancelToken) -> Any:
+        """A value, as soon as one is heard: the robot may have been found just now."""
+        unheard = SkillFailed(interface_reason("unheard", what=name))
+        if name not in self._heard:
+            raise unheard
+        try:
+            value = self._value(name, self._heard[name].latest(token, THERE_S))
+        except SkillFailed:
+            raise unheard from None
+        if value is None:
+            raise unheard
+        return value
+
+    def _value(self, name: str, message: Any) -> Any:
+        return value_of(message, self._planned[name].entry.value)
+
+
+NO_STATES = RobotStates({})
+
+
+def planned_states(
+    robot: RobotFile, file: YamlFile, problems: Problems
+) -> tuple[dict[str, PlannedState], dict[str, str]]:
+    """The states of a file, and why others are off; what is wrong goes to `problems`."""
+    planned: dict[str, PlannedState] = {}
+    off: dict[str, str] = {}
+    for name, entry in robot.state.items():
+        try:
+            planned[name] = Planner({}, file, problems).plan_state(entry, ("state", name))
+        except InterfaceMissing as error:
+            off[name] = str(error)
+    named: list[tuple[Place, Sequence[Need]]] = [(("needs",), robot.needs)]
+    named += [(("skills", name, "needs"), one.needs) for name, one in robot.skills.items()]
+    for place, needs in named:
+        for number, one in enumerate(needs):
+            at = (*place, number)
+            with problems.collect():
+                if one.state not in robot.state:
+                    expected = "a state: one of " + (", ".join(robot.state) or "none")
+                    raise file.wrong((*at, "state"), one.state, expected)
+                if one.state in planned:
+                    Planner({}, file, problems).check_need(one, planned[one.state], at)
+    return planned, off
+
+
+def questions(robot: RobotFile, planned: Mapping[str, PlannedState]) -> dict[str, SkillEntry]:
+    """The skills that say the states, by their names; EdgeVox asks for the battery by itself."""
+    return {
+        name: _question(name, robot.state[name])
+        for name, one in planned.items()
+        if name != BATTERY
+        and one.value_type != ANY
+        and (robot.state[name].done or one.value_type != "boolean")
+    }
+
+
+def _question(name: str, entry: StateEntry) -> SkillEntry:
+    called = name.replace("_", " ")
+    unit = f" {entry.unit}" if entry.unit else ""
+    read = Step(read=entry.read, result={name: entry.value})
+    usual = {
+        "description": f"Say what the {called} is.",
+        "sentences": [f"what (is|are) [(the|your)] {called}", f"what's [(the|your)] {called}"],
+        "done": f"My {called} is {{{name}}}{unit}.",
+    }
+    given = {key: getattr(entry, key) for key in entry.model_fields_set & entry.said}
+    return SkillEntry.model_validate({**read.model_dump(exclude_unset=True), **usual, **given})
+
+
+__all__ = ["NO_STATES", "RobotStates", "planned_states", "questions"]

@@ -1,0 +1,53 @@
+"""Sentences that a robot file makes of shared lists and rules, as long as an order takes."""
+
+from pathlib import Path
+
+import pytest
+
+from edgevox.agent.nlu.templates import Recogniser, Understood
+from edgevox.agent.skills import SkillSet
+from edgevox.apps.agent.check import check_robot
+from edgevox.apps.robots import build_body
+from edgevox.core.settings import Settings
+
+EXAMPLES = Path(__file__).parents[3] / "examples" / "robot_file"
+
+
+@pytest.fixture(scope="module")
+def machine():
+    return build_body("robot-external", Settings(robot_file=EXAMPLES / "coffee.yaml"), 0.0)
+
+
+@pytest.mark.parametrize(
+    ("code", "order", "arguments"),
+    [
+        ("en", "coffee", {"drink": "coffee"}),
+        (
+            "en",
+            "can I get a big dark roast one shot flat white with lots of milk and no sugar",
+            {"size": "large", "roast": "dark", "shots": "single", "milk": "lots of"}
+            | {"drink": "latte"},
+        ),
+        (
+            "en",
+            "I'd like a medium roasted small mocha, without milk and a bit of sugar",
+            {"roast": "medium", "size": "small", "drink": "mocha", "sugar": "a little"},
+        ),
+        ("en", "pour me a triple espresso", {"shots": "triple", "drink": "espresso"}),
+        ("de", "mach mir einen großen Cappuccino bitte", {"size": "large", "drink": "cappuccino"}),
+    ],
+)
+def test_an_order_has_its_parts_in_any_sequence(machine, code, order, arguments):
+    found = Recogniser(SkillSet(machine.skills), code).recognise(order)
+    assert isinstance(found, Understood)
+    assert [(one.skill, one.arguments) for one in found.calls] == [("make_coffee", arguments)]
+
+
+def test_what_only_begins_like_an_order_is_none(machine):
+    heard = Recogniser(SkillSet(machine.skills), "en")
+    assert not isinstance(heard.recognise("make me a large table"), Understood)
+
+
+def test_all_sentences_of_the_order_can_work(machine, capsys):
+    assert check_robot(machine, Settings(robot_file=EXAMPLES / "coffee.yaml"))
+    assert capsys.readouterr().err == ""
