@@ -180,7 +180,7 @@ def test_stop_works_from_the_first_picture_on(browser: Browser, robot: Robot) ->
     page = context.new_page()
     held: list[Route] = []
     page.route("**/main.js", lambda route: held.append(route))  # noqa: PLW0108 - no builtin there
-    page.goto(robot.url, wait_until="commit")
+    page.goto(robot.url, wait_until="domcontentloaded")
     page.wait_for_function("performance.getEntriesByName('first-contentful-paint').length")
     page.locator("button.stop").click()
     until(page, lambda: robot.commands("stop"))
