@@ -128,6 +128,12 @@ lint: $(DONE)/dev $(DONE)/msgs ## Check style, types, layers, locks and compose 
 page: $(DONE)/page ## Check the types of the pages, the console's and the fleet's.
 	$(VENV)/page/node_modules/.bin/tsc --project requirements/page
 
+PAGE_SHEETS ?= build/page
+.PHONY: page-sheets
+page-sheets: $(DONE)/page ## Take pictures of the console's page in every state on every size, for a person to look at.
+	PYTHONPATH=.:tests:tests/support:tests/browser $(BIN)/python tests/browser/sheet.py $(PAGE_SHEETS)
+	@echo "Look at $(PAGE_SHEETS)/*.png"
+
 .PHONY: docs
 docs: $(DONE)/dev ## Build the documentation as a site, into build/site, and check its links.
 	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict

@@ -67,6 +67,8 @@ def _pair(arguments: argparse.Namespace, settings: Settings, folder: Path) -> bo
     from edgevox.console.tls import console_url
 
     role = Role.VIEWER if arguments.viewer else Role.OPERATOR
+    if arguments.phone:
+        return _pair_phone(arguments, settings, folder)
     code = Pairing(folder).offer(role)
     host, port, names = settings.console_host, settings.console_port, settings.console_names
     url = console_url(host, port, settings.console_tls != "off", names)
@@ -74,17 +76,47 @@ def _pair(arguments: argparse.Namespace, settings: Settings, folder: Path) -> bo
     return True
 
 
-def shown_code(url: str, code: str, shown: str, role: str) -> str:
-    """A pairing code as a terminal shows it, with a QR code for a phone's camera."""
+def _pair_phone(arguments: argparse.Namespace, settings: Settings, folder: Path) -> bool:
+    from edgevox.apps.console.phone import NotOpen, pair_phone
+    from edgevox.console.sessions import Role
+
+    def agree(url: str) -> bool:
+        if arguments.open or not sys.stdin.isatty():
+            return bool(arguments.open)
+        show(f"The console answers on this machine only. Open it to this network, at {url}?")
+        show("A browser still needs a code. `edgevox-console close` closes it again. [y/N]")
+        return sys.stdin.readline().strip().lower() in ("y", "yes")
+
+    role = Role.VIEWER if arguments.viewer else Role.OPERATOR
+    try:
+        one = pair_phone(settings, folder, role, agree)
+    except NotOpen as error:
+        raise EdgeVoxError(f"{error}: --open") from None
+    show(shown_code(one.url, one.code.code, one.code.shown, str(role), phone=True))
+    return True
+
+
+def _close(_arguments: argparse.Namespace, _settings: Settings, folder: Path) -> bool:
+    from edgevox.console.opened import Opened
+
+    show("Closed to the network." if Opened(folder).close() else "It was not opened.")
+    return True
+
+
+def shown_code(url: str, code: str, shown: str, role: str, *, phone: bool = False) -> str:
+    """A pairing code as a terminal shows it, with a QR code for a phone's camera.
+
+    A page that a `phone` opens so offers sound and control at once.
+    """
     import io
 
-    address = f"{url}/#pair={code}"
+    address = f"{url}/#pair={code}{'&phone' if phone else ''}"
     text = io.StringIO()
     try:
         import segno
     except ModuleNotFoundError:
         raise EdgeVoxError(f"segno: not here, expected {install_extra('console')}") from None
-    segno.make(address, micro=False).terminal(text, compact=True)
+    segno.make(address, micro=False).terminal(text, border=2, compact=True)
     return f"{text.getvalue()}\n{address}\ncode {shown}, once, as {role}, for ten minutes"
 
 
@@ -147,7 +179,19 @@ def _parser() -> argparse.ArgumentParser:
     pair.add_argument(
         "--viewer", action="store_true", help="the browser may only watch and stop the robot"
     )
+    pair.add_argument(
+        "--phone",
+        action="store_true",
+        help="find the address by which a phone reaches the running robot, and offer to open the"
+        " console there",
+    )
+    pair.add_argument(
+        "--open", action="store_true", help="with --phone: open it without a question"
+    )
     pair.set_defaults(run=_pair)
+    verbs.add_parser("close", help="close the console to the network again").set_defaults(
+        run=_close
+    )
     verbs.add_parser("list", help="list the paired browsers").set_defaults(run=_list)
     revoke = verbs.add_parser("revoke", help="revoke a browser's pairing")
     which = revoke.add_mutually_exclusive_group(required=True)

@@ -165,7 +165,7 @@ class Access:
     # The page
 
     async def _index(self, request: web.Request) -> web.StreamResponse:
-        return self.files.document(request, "index.html")
+        return self.files.document(request, "index.html", paired=_SESSION in request)
 
     async def _certificate(self, _request: web.Request) -> web.Response:
         if self.authority is None:

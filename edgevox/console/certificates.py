@@ -92,11 +92,11 @@ def local_names(more: Sequence[str] = ()) -> tuple[str, ...]:
     """Return this machine's local names: host names, `more`, and its addresses."""
     host = socket.gethostname().split(".")[0].lower()
     hosts = (host, f"{host}.local") if _is_name(host) else ()
-    found = ("localhost", *hosts, *more, "127.0.0.1", "::1", *_addresses())
+    found = ("localhost", *hosts, *more, "127.0.0.1", "::1", *own_addresses())
     return tuple(dict.fromkeys(found))
 
 
-def _addresses() -> list[str]:
+def own_addresses() -> list[str]:
     """The private addresses by which this machine would send."""
     found = []
     for family, there in ((socket.AF_INET, "192.0.2.1"), (socket.AF_INET6, "2001:db8::1")):
@@ -106,7 +106,7 @@ def _addresses() -> list[str]:
             except OSError:
                 continue
             found.append(one.getsockname()[0])
-    return [one for one in found if _is_private(ip_address(one))]
+    return [one for one in found if is_private_address(ip_address(one))]
 
 
 def _is_name(host: str) -> bool:
@@ -117,7 +117,8 @@ def _is_name(host: str) -> bool:
     return bool(host)
 
 
-def _is_private(address: Address) -> bool:
+def is_private_address(address: Address) -> bool:
+    """Return whether only a local network reaches this address."""
     return any(address in network for network in _PRIVATE)
 
 

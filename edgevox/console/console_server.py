@@ -5,15 +5,18 @@ takes the robot's state as often as pages want it, and never while no page looks
 """
 
 import asyncio
+import socket
 from collections.abc import Awaitable, Callable, Sequence
 from ipaddress import ip_address
 from pathlib import Path
 
 from edgevox.console.certificates import local_names, own_tls
 from edgevox.console.context import ConsoleContext, ConsoleRobot
+from edgevox.console.door import Door
+from edgevox.console.opened import Opened
 from edgevox.console.page_files import PageFiles
 from edgevox.console.page_hub import PageHub
-from edgevox.console.page_server import Job, PageServer
+from edgevox.console.page_server import Job, PageServer, listen
 from edgevox.console.sessions import Code, Role
 from edgevox.console.site import Site
 from edgevox.console.tls import Tls
@@ -39,6 +42,7 @@ class ConsoleServer:
         port: 0 lets the machine choose.
         tls: None speaks plain HTTP; the caller has decided that this is acceptable.
         names: Names of the host, with commas; the first one is in the URL if it listens everywhere.
+        opened: The further address on which a person may have it listen, meanwhile too.
         clock: The time; the system's by default.
         state: Knows which of its files were damaged.
     """
@@ -52,10 +56,12 @@ class ConsoleServer:
         *,
         tls: Tls | None = None,
         names: str = "",
+        opened: Opened | None = None,
         clock: Clock | None = None,
         state: StateFiles | None = None,
     ) -> None:
         clock = clock or SystemClock()
+        self._opened = opened
         self._server = PageServer(
             folder,
             host,
@@ -98,7 +104,10 @@ class ConsoleServer:
 
     def _open(self, loop: asyncio.AbstractEventLoop) -> Sequence[Job]:
         self._hub.open(loop)
-        return [sample(self._hub)]
+        jobs, door = [sample(self._hub)], self._server.access.door
+        if self._opened and door is not None:
+            jobs.append(_follow(self._hub, door, self._opened, self.port))
+        return jobs
 
     # As a component
 
@@ -127,6 +136,48 @@ class ConsoleServer:
             commander=self._hub.commander,
             bad_requests=self.bad.total,
         )
+
+
+OPENED_LOOK_S = 0.5
+"""Seconds between looks at the address on which it is opened."""
+
+
+async def _follow(hub: PageHub, door: Door, opened: Opened, port: int) -> None:
+    """Listen on the address on which a person opens it, until it is cancelled."""
+    known, letting_in, failed = "", None, 0
+    try:
+        while True:
+            try:
+                address = await hub.work(opened.address)
+            except OSError:
+                address = known
+            if address != known or (letting_in and letting_in.done()):
+                await _end(letting_in)
+                known, letting_in = "", None
+                try:
+                    if address:
+                        listening = await hub.work(listen, address, port, "console_port")
+                        letting_in = asyncio.create_task(_let_in(door, listening))
+                    known, failed = address, 0
+                    log.info("console_opened", address=address, open=bool(address))
+                except InvalidValue as error:
+                    failed += 1
+                    if worth_a_line(failed):
+                        log.warning("console_not_opened", reason=str(error), count=failed)
+            await asyncio.sleep(OPENED_LOOK_S)
+    finally:
+        await _end(letting_in)
+
+
+async def _let_in(door: Door, listening: socket.socket) -> None:
+    with listening:
+        await door.serve(listening)
+
+
+async def _end(letting_in: "asyncio.Task[None] | None") -> None:
+    if letting_in:
+        letting_in.cancel()
+        await asyncio.gather(letting_in, return_exceptions=True)
 
 
 LIVE_S = 1 / 15
@@ -200,7 +251,24 @@ def open_console(context: ConsoleContext, settings: Settings, folder: Path) -> C
     state = StateFiles()
     tls = tls_of(settings, folder, state)
     host, port, names = settings.console_host, settings.console_port, settings.console_names
-    return ConsoleServer(context, folder, host, port, tls=tls, names=names, state=state)
+    return ConsoleServer(
+        context,
+        folder,
+        host,
+        port,
+        tls=tls,
+        names=names,
+        opened=Opened(folder, state) if may_be_opened(settings) else None,
+        state=state,
+    )
+
+
+def may_be_opened(settings: Settings) -> bool:
+    """Whether a person may open the console to the network while it runs.
+
+    That needs encryption, and settings that leave the address to be chosen.
+    """
+    return settings.console_tls != "off" and "console_host" not in settings.model_fields_set
 
 
 def tls_of(settings: Settings, folder: Path, state: StateFiles | None = None) -> Tls | None:

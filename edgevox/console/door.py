@@ -103,12 +103,12 @@ class Door:
         for one in own[:-MOST_OF_SESSION]:
             self._end(one)
 
-    async def serve(self) -> None:
-        """Let connections in."""
-        loop = asyncio.get_running_loop()
+    async def serve(self, listening: socket.socket | None = None) -> None:
+        """Let connections in, by its own socket or by a further one; the limits are the same."""
+        loop, listening = asyncio.get_running_loop(), listening or self._listening
         while True:
             try:
-                connection, peer = await loop.sock_accept(self._listening)
+                connection, peer = await loop.sock_accept(listening)
             except OSError as error:
                 self.shut = str(error)
                 log.warning("console_door_full", error=self.shut)

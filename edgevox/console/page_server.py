@@ -108,7 +108,7 @@ class PageServer:
     ) -> None:
         self._tls, self._host, self._names = tls, host, names
         self._current_tls = CurrentTls(tls) if tls else None
-        self._socket = _listen(host, port, setting)
+        self._socket = listen(host, port, setting)
         self._state = state or StateFiles()
         self._codeless = ""
         self.workers = ThreadPoolExecutor(6, thread_name_prefix=f"{name}-worker")
@@ -247,7 +247,8 @@ class PageServer:
                     log.warning("console_certificate_kept", reason=str(error), count=failed)
 
 
-def _listen(host: str, port: int, setting: str) -> socket.socket:
+def listen(host: str, port: int, setting: str) -> socket.socket:
+    """A socket that listens. Raises `InvalidValue` for the setting that gave the port."""
     try:
         family = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)[0][0]
         listening = socket.create_server((host, port), family=family, backlog=MOST_KNOCKING)

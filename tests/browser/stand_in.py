@@ -237,10 +237,10 @@ class Robot:
         return await handler(request)
 
     async def _page(self, request: web.Request) -> web.Response:
-        return self._files.document(request, "index.html")
+        return self._files.document(request, "index.html", paired=_is_paired(request))
 
     async def _me(self, request: web.Request) -> web.Response:
-        if request.cookies.get("edgevox") != CODE:
+        if not _is_paired(request):
             return web.Response(status=401)
         return web.json_response({"role": self.hello["role"], "name": "test", "client": "?"})
 
@@ -328,6 +328,10 @@ class Robot:
             await asyncio.sleep(0.1)
             if self.live is not None and not self.silent:
                 await self._broadcast({"type": "live", **self.live})
+
+
+def _is_paired(request: web.Request) -> bool:
+    return request.cookies.get("edgevox") == CODE
 
 
 async def _send(socket: web.WebSocketResponse, message: Message) -> None:

@@ -1,5 +1,7 @@
 """A phone, upright and on its side: name, control, Stop, its banner and a question stay there."""
 
+from itertools import combinations
+
 import pytest
 from browser_rig import PHONE, Opens, page_words
 from playwright.sync_api import Page, expect
@@ -93,3 +95,20 @@ def test_text_of_twice_its_size_keeps_everything_in_reach(
         reachable(page, f".tabs [data-panel={part}]")
         expect(page.locator("button.stop")).to_be_in_viewport(ratio=1)
     unshifted(page)
+
+
+@pytest.mark.parametrize("device", [UPRIGHT, ON_ITS_SIDE])
+def test_map_stick_microphone_and_stop_stand_beside_each_other(opens: Opens, device: dict) -> None:
+    page = opens(**device)
+    page.locator(".tabs [data-panel=see]").click()
+    boxes = []
+    for shown in (".map", ".stick", ".steer .hold", "button.stop"):
+        expect(page.locator(shown)).to_be_in_viewport(ratio=1)
+        boxes.append(page.locator(shown).bounding_box())
+    assert min(boxes[0]["width"], boxes[0]["height"]) > 200
+    for one, other in combinations(boxes, 2):
+        assert any(
+            first[start] + first[size] <= then[start]
+            for start, size in (("x", "width"), ("y", "height"))
+            for first, then in ((one, other), (other, one))
+        )

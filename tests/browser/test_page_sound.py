@@ -2,11 +2,12 @@
 
 import threading
 from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
 import pytest
-from browser_rig import page_words
+from browser_rig import PHONE, let_in, page_words
 from console_rig import Rig, console
 from playwright.sync_api import Browser, Page, Playwright, expect
 from sound_rig import PATIENCE_MS, microphone, paired, tone, write
@@ -85,7 +86,7 @@ def page(listening: Browser, rig: Rig) -> Iterator[Page]:
 
 
 def hold(page: Page) -> None:
-    page.locator(".hold").hover()
+    page.locator(".sound .hold").hover()
     page.mouse.down()
 
 
@@ -156,3 +157,51 @@ def test_a_microphone_that_is_refused_is_explained(page: Page, sound: NotedSound
     expect(page.locator(".sound")).to_contain_text(page_words("sound_denied"), timeout=PATIENCE_MS)
     page.mouse.up()
     assert sound.frames == []
+
+
+@contextmanager
+def phone(listening: Browser, rig: Rig) -> Iterator[Page]:
+    """A phone that scanned the QR code of `edgevox-console pair --phone`, and paired."""
+    context = listening.new_context(locale="en-GB", **PHONE)
+    page = context.new_page()
+    let_in(page, f"{rig.server.offer_code()[1]}&phone")
+    page.locator(".first").wait_for()
+    yield page
+    context.close()
+
+
+def start(page: Page) -> None:
+    page.get_by_role("button", name=page_words("start"), exact=True).click()
+
+
+def test_a_phone_that_is_let_in_hears_speaks_and_commands_after_one_tap(
+    listening: Browser, rig: Rig, sound: NotedSound
+) -> None:
+    with phone(listening, rig) as page:
+        start(page)
+        page.locator(".lease button.on").wait_for()
+        expect(page.locator(".first")).to_have_count(0)
+        sound.wait(lambda: sound.hears)
+        hear = page.get_by_role("button", name=page_words("hear_here"))
+        expect(hear).to_have_attribute("aria-pressed", "true")
+        assert "phone" not in page.url
+        hold(page)
+        sound.wait(lambda: sound.frames)
+        assert sound.asked == ["held"]
+
+
+def test_a_phone_goes_without_what_it_refuses_and_says_why(
+    listening: Browser, rig: Rig, sound: NotedSound
+) -> None:
+    with phone(listening, rig) as page:
+        page.evaluate(
+            """() => { navigator.mediaDevices.getUserMedia = () =>
+              Promise.reject(new DOMException('no', 'NotAllowedError')); }"""
+        )
+        page.get_by_role("switch", name=page_words("take_turn")).click()
+        start(page)
+        expect(page.locator(".first")).to_contain_text(page_words("sound_denied"))
+        start(page)
+        expect(page.locator(".first")).to_have_count(0)
+        expect(page.locator(".lease button.primary")).to_be_visible()
+        sound.wait(lambda: sound.hears)

@@ -64,7 +64,7 @@ def test_it_goes_where_it_is_told_while_the_button_is_held_and_is_seen_to_arrive
     parts.bus.subscribe(GoalChanged, goals.add)
     file = write(tmp_path / "kitchen.wav", silence(1.0), kitchen, silence(20.0))
     with microphone(playwright, file) as browser, paired(browser, link) as page:
-        page.locator(".hold").hover()
+        page.locator(".sound .hold").hover()
         page.mouse.down()
         until(page, lambda: heard.messages)
         page.mouse.up()

@@ -2,8 +2,8 @@
 
 import pytest
 from browser_rig import PHONE, Opens, page_words
-from playwright.sync_api import Page, expect
-from stand_in import HELLO, Robot
+from playwright.sync_api import Browser, Page, Route, expect
+from stand_in import CODE, HELLO, Robot
 from test_page_drives import quiet, until
 
 
@@ -172,3 +172,32 @@ def test_the_header_of_a_robot_that_is_gone_is_grey_and_says_so(opens: Opens, ro
     for part in (".top h1", ".top .battery", ".top .lease"):
         assert "grayscale" in page.locator(part).evaluate("e => getComputedStyle(e).filter")
     expect(page.locator(".chip.state")).to_have_text(page_words("state_gone"))
+
+
+def test_stop_works_from_the_first_picture_on(browser: Browser, robot: Robot) -> None:
+    context = browser.new_context(locale="en-GB")
+    context.add_cookies([{"name": "edgevox", "value": CODE, "url": robot.url}])
+    page = context.new_page()
+    held: list[Route] = []
+    page.route("**/main.js", lambda route: held.append(route))  # noqa: PLW0108 - no builtin there
+    page.goto(robot.url, wait_until="domcontentloaded")
+    page.wait_for_function("performance.getEntriesByName('first-contentful-paint').length")
+    page.locator("button.stop").click()
+    until(page, lambda: robot.commands("stop"))
+    until(page, lambda: held)
+    held[0].continue_()
+    stopped(page)
+    robot.tell(type="stop", engaged=False)
+    expect(page.locator(".stopped")).to_be_hidden()
+    robot.drop()
+    page.locator(".lease button.primary").click()  # there is a line again
+    assert {one["client"] for one in robot.commands("stop")} == {"client-1"}
+    context.close()
+
+
+def test_a_browser_that_is_not_let_in_has_no_stop(browser: Browser, robot: Robot) -> None:
+    page = browser.new_page()
+    page.goto(robot.url)
+    page.locator(".code").wait_for()
+    expect(page.locator("button.stop")).to_have_count(0)
+    page.close()

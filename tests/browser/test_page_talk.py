@@ -109,3 +109,20 @@ def test_the_end_of_the_conversation_stays_in_sight_when_it_gets_less_room(
     heard(robot, 16, "sentence 16")
     expect(page.locator(".bubble.mine", has_text="sentence 16")).to_be_attached()
     assert log.evaluate("e => e.scrollTop") == 0, "who reads further up is left there"
+
+
+def test_what_can_be_said_stands_there_in_the_robots_language(opens: Opens, robot: Robot) -> None:
+    robot.hello["controls"]["language"] = "de"
+    page = opens(locale="en-GB", command=False)
+    hint = page.locator(".conversation .empty")
+    expect(hint).to_contain_text("The robot speaks Deutsch.")
+    expect(hint.locator("[lang=de]")).to_have_text(page_words("talk_empty", "de"))
+    robot.tell(type="controls", language="en")
+    expect(hint).to_have_text(page_words("talk_empty"), use_inner_text=True)
+
+
+def test_a_stop_stands_in_the_robots_state_too(opens: Opens, robot: Robot) -> None:
+    page = opens(command=False)
+    expect(page.locator(".chip.state")).to_have_text(page_words("state_listening"))
+    robot.tell(type="stop", engaged=True, by="Anna", since=1.0)
+    expect(page.locator(".chip.state")).to_have_text(page_words("state_stopped"))

@@ -11,8 +11,11 @@ from small_disk import small_disk
 from waiting import wait_until
 
 from edgevox.apps.agent.build import build_parts, start_parts
+from edgevox.apps.console import phone
+from edgevox.apps.console.phone import NotOpen, pair_phone
 from edgevox.console.certificates import local_names, own_tls
-from edgevox.console.sessions import Role, Sessions
+from edgevox.console.opened import Opened
+from edgevox.console.sessions import Pairing, Role, Sessions
 from edgevox.core.errors import EdgeVoxError
 from edgevox.core.settings import load_settings
 from edgevox.core.status import Level
@@ -127,3 +130,61 @@ def test_a_browser_is_greeted_and_its_stop_stands_the_robot_still(start, capsys)
     wait_until(lambda: parts.software_stop.state.engaged, "it is stopped")
     parts.body.advance(0.1)
     assert parts.body.velocity().linear_m_s == pytest.approx(0.0, abs=1e-6)
+
+
+PHONES = "127.0.0.2"
+"""An address at which a console that serves 127.0.0.1 does not answer."""
+
+
+def _let_phone_in(folder, port, *, agrees=True, **settings):
+    asked = []
+
+    def agree(url):
+        asked.append(url)
+        return agrees
+
+    wanted = load_settings({"console_port": port, "console_names": PHONES, **settings})
+    return pair_phone(wanted, folder, Role.OPERATOR, agree), asked
+
+
+def _answers(port):
+    with socket.socket() as one:
+        return one.connect_ex((PHONES, port)) == 0
+
+
+def test_a_phone_is_let_in_at_an_address_that_is_opened_once_a_person_agrees(start, tmp_path):
+    port, folder = free_port(), tmp_path / "console"
+    start(console_port=port, console_tls="own")
+    with pytest.raises(NotOpen):
+        _let_phone_in(folder, port, agrees=False)
+    assert not _answers(port)
+
+    offered, asked = _let_phone_in(folder, port)
+
+    assert asked == [offered.url] == [f"https://{PHONES}:{port}"]
+    assert _answers(port)
+    assert Pairing(folder).redeem(offered.code.code) is Role.OPERATOR
+    assert _let_phone_in(folder, port)[1] == []
+    assert Opened(folder).close()
+    wait_until(lambda: not _answers(port), "it is closed again")
+
+
+def test_an_address_that_settings_chose_is_not_added_to(start, tmp_path, monkeypatch):
+    monkeypatch.setattr(phone, "OPENS_S", 0.0)
+    port, folder = free_port(), tmp_path / "console"
+    start(console_port=port, console_tls="own", console_host="127.0.0.1")
+    with pytest.raises(EdgeVoxError, match=f"--console-host 0.0.0.0 --console-names {PHONES}"):
+        _let_phone_in(folder, port)
+    assert Opened(folder).address() == ""
+
+
+def test_a_phone_needs_a_robot_that_runs_and_an_address(tmp_path):
+    with pytest.raises(EdgeVoxError, match="nothing answers"):
+        _let_phone_in(tmp_path, free_port())
+    with pytest.raises(EdgeVoxError, match="CONSOLE_ADDRESS"):
+        _let_phone_in(tmp_path, free_port(), console_names="localhost")
+
+
+def test_an_opened_address_that_no_private_network_has_is_not_listened_on(tmp_path):
+    Opened(tmp_path).open("8.8.8.8")
+    assert Opened(tmp_path).address() == ""

@@ -8,6 +8,7 @@ from contextlib import ExitStack, asynccontextmanager
 import phrases
 import pytest
 from guards import HUNG_S
+from ports import free_port
 from textual.widgets import Footer, Input, RichLog, Static
 
 from edgevox.apps.agent.build import build_parts, start_parts
@@ -61,8 +62,8 @@ class Screen:
 
 
 @asynccontextmanager
-async def screen(size=(80, 24), stopped_by="", **queries):
-    settings = load_settings({"text_mode": True, "llm": "none"})
+async def screen(size=(80, 24), stopped_by="", settings=None, **queries):
+    settings = load_settings({"text_mode": True, "llm": "none", **(settings or {})})
     with ExitStack() as stack:
         parts = build_parts(stack, settings, build_body("robot-apartment", settings, 1.0))
         start_parts(stack, parts)
@@ -71,7 +72,11 @@ async def screen(size=(80, 24), stopped_by="", **queries):
         updates = UpdateBuffer(parts.bus, parts.controls)
         stack.callback(updates.close)
         context = SlashContext(
-            parts.conversation, parts.body, skills=parts.skills, software_stop=parts.software_stop
+            parts.conversation,
+            parts.body,
+            skills=parts.skills,
+            software_stop=parts.software_stop,
+            settings=settings,
         )
         asked = {**parts.queries, **queries}
         for line in first_hint(parts):
@@ -523,3 +528,26 @@ def test_a_feed_asks_to_be_drawn_once_for_many_events():
     bus.publish(AudioLevel(0.25))
     assert len(asked) == 2
     updates.close()
+
+
+def test_a_phone_is_let_in_by_a_picture_that_fits_the_screen(tmp_path):
+    console = {"console": True, "console_names": "127.0.0.2", "console_folder": str(tmp_path)}
+
+    async def play(shown):
+        await shown.type("/pair")
+        await shown.until(lambda: any("/pair open" in line for line in shown.transcript()))
+        await shown.type("/pair open")
+        await shown.until(lambda: "https://127.0.0.2" in shown.sheet())
+        sheet = shown.face.screen.query_one("#sheet")
+        assert "&phone" in shown.sheet()
+        assert sheet.parent.max_scroll_y == 0
+
+    drive(play, settings={**console, "console_port": free_port()})
+
+
+def test_a_robot_without_a_console_pairs_no_phone():
+    async def play(shown):
+        await shown.type("/pair")
+        await shown.until(lambda: "This robot serves no console." in shown.transcript())
+
+    drive(play)

@@ -86,7 +86,7 @@ def _offer(parts: AgentParts, server: "ConsoleServer", folder: Path) -> None:
         _tell(parts, f"No pairing code: {reason}")
         return
     show(shown_code(server.url, code.code, code.shown, str(code.role)))
-    parts.notes.append(f"{address}  (once, for ten minutes; edgevox-console pair makes another)")
+    parts.notes.append(f"{address}  (once, for ten minutes; /pair makes one for a phone)")
 
 
 def _tell(parts: AgentParts, line: str) -> None:

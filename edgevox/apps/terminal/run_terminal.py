@@ -85,7 +85,11 @@ def run_terminal(parts: AgentParts, shutdown: ShutdownSignals) -> None:
     program runs until its WAV files are over, if it hears those, or a signal tells it to end.
     """
     context = SlashContext(
-        parts.conversation, parts.body, skills=parts.skills, software_stop=parts.software_stop
+        parts.conversation,
+        parts.body,
+        skills=parts.skills,
+        software_stop=parts.software_stop,
+        settings=parts.settings,
     )
     if _is_terminal():
         typed = typed_ahead(sys.stdin.fileno(), lambda line: is_stop(line.strip(), context))

@@ -32,6 +32,7 @@ from edgevox.apps.terminal.slash_commands import (
     COMMANDS,
     Leave,
     SlashContext,
+    is_sheet,
     is_stop,
     run_command,
 )
@@ -57,7 +58,7 @@ from edgevox.apps.terminal.widgets import (
     unread,
 )
 from edgevox.core.commands import Command, Interrupt, SetMuted, TextInput, Way
-from edgevox.core.errors import EdgeVoxError, InvalidValue
+from edgevox.core.errors import EdgeVoxError
 from edgevox.core.events import Cause
 from edgevox.robots.capabilities import HasPlaces
 
@@ -201,6 +202,8 @@ class Face(App[None]):
 
     def on_changed(self) -> None:
         """Draw what is new."""
+        if not self._stands:
+            return
         news = self._news = self._updates.take()
         transcript = self._base.query_one("#transcript", Lines)
         for line in news.lines:
@@ -245,7 +248,11 @@ class Face(App[None]):
 
     def action_help(self) -> None:
         """Show what can be typed, and the keys."""
-        self.push_screen(Sheet(help_text(self.BINDINGS)))
+        self.show_sheet(help_text(self.BINDINGS))
+
+    def show_sheet(self, content: Content | str) -> None:
+        """Show a text over the conversation."""
+        self.push_screen(Sheet(content))
 
     def action_panel(self) -> None:
         """Show or hide the side panel."""
@@ -287,8 +294,10 @@ class Face(App[None]):
         except Leave:
             self.call_from_thread(self.exit)
             return
-        except InvalidValue as error:
-            answer = str(error)
+        if is_sheet(line) and "\n" in answer:
+            picture = Content.styled(answer, "#ffffff on #000000")
+            self.call_from_thread(self.show_sheet, picture)
+            return
         for one in answer.splitlines():
             self._updates.write(one)
 
@@ -325,7 +334,7 @@ class Face(App[None]):
 
     def _look(self) -> None:
         """Look at the robot, off the event loop: it may answer late."""
-        if self._looking:
+        if self._looking or not self._stands:
             return
         self._looking = True
         shown = self._base.query_one("#map")
@@ -343,6 +352,8 @@ class Face(App[None]):
 
     def on_seen(self, seen: Seen) -> None:
         """Draw what a thread has found."""
+        if not self._stands:
+            return
         if seen.machine:
             self._static("machine", seen.machine)
         if seen.robot:
@@ -364,6 +375,11 @@ class Face(App[None]):
             return ()
         phrases = phrasebook(self._news.language if self._news else "en")
         return [str(phrases.word(one)) or one.replace("_", " ") for one in body.places]
+
+    @property
+    def _stands(self) -> bool:
+        """Whether its widgets are there: they are taken down one by one while it ends."""
+        return bool(self.screen_stack) and len(self._base.query("#stop, #map, #machine, #log")) == 4
 
     def _static(self, name: str, content: str | Content) -> None:
         self._base.query_one(f"#{name}", Static).update(content)
@@ -422,6 +438,7 @@ def run_tui(parts: AgentParts, shutdown: ShutdownSignals, typed: Sequence[str] =
         columns=COLUMNS,
         skills=parts.skills,
         software_stop=parts.software_stop,
+        settings=parts.settings,
     )
     face = Face(
         updates,

@@ -7,11 +7,14 @@ from pathlib import Path
 
 from edgevox.agent.conversation import Conversation
 from edgevox.agent.skills import Skill
+from edgevox.apps.console_command import shown_code
+from edgevox.apps.folders import console_folder
 from edgevox.core.commands import Interrupt, Reset
-from edgevox.core.errors import EdgeVoxError
+from edgevox.core.errors import EdgeVoxError, InvalidValue
 from edgevox.core.events import Cause
 from edgevox.core.files.text import one_line, printable
 from edgevox.core.motion.software_stop import SoftwareStop
+from edgevox.core.settings import Settings
 from edgevox.robots.capabilities import Body, HasMap
 from edgevox.robots.pictures import check_picture, write_picture
 
@@ -32,6 +35,8 @@ class SlashContext:
     columns: int = MAP_COLUMNS
     skills: tuple[Skill, ...] = ()
     software_stop: SoftwareStop = field(kw_only=True)
+    settings: Settings | None = None
+    """The agent's; None pairs no phone."""
 
 
 def command_rows() -> list[tuple[str, str]]:
@@ -99,6 +104,25 @@ def _restart(context: SlashContext) -> str:
     return "World reset."
 
 
+def _pair(context: SlashContext, words: str) -> str:
+    """Show a QR code; raises `EdgeVoxError` for the reason why there is none."""
+    from edgevox.apps.console.phone import NotOpen, pair_phone
+    from edgevox.console.sessions import Role
+
+    if words not in ("", "open"):
+        raise InvalidValue("/pair", words, "open, or nothing")
+    settings = context.settings
+    if settings is None or not settings.serves_console:
+        return "This robot serves no console."
+    try:
+        one = pair_phone(settings, console_folder(settings), Role.OPERATOR, lambda _: bool(words))
+    except NotOpen as error:
+        return f"{error}: /pair open"
+    except OSError as error:
+        raise EdgeVoxError(f"console_folder: {error.strerror or error}") from None
+    return shown_code(one.url, one.code.code, one.code.shown, str(one.code.role), phone=True)
+
+
 def _quit(_: SlashContext) -> str:
     raise Leave
 
@@ -116,6 +140,8 @@ class SlashCommand:
     takes: str = ""
     stops: bool = False
     slow: bool = False
+    sheet: bool = False
+    """Whether a full screen shows the answer by itself: a picture made of characters."""
 
 
 COMMANDS: Mapping[str, SlashCommand] = {
@@ -128,6 +154,9 @@ COMMANDS: Mapping[str, SlashCommand] = {
     "resume": SlashCommand("lift the software stop", _resume),
     "reset": SlashCommand("stop and reset the conversation", _reset, stops=True),
     "restart": SlashCommand("reset the robot and its world", _restart),
+    "pair": SlashCommand(
+        "let a phone in; open: also open the console to it", _pair, "[open]", slow=True, sheet=True
+    ),
     "quit": SlashCommand("exit", _quit),
 }
 
@@ -154,7 +183,16 @@ def run_command(line: str, context: SlashContext) -> str:
         return f"/{one_line(name)}: unknown command; expected one of /{', /'.join(COMMANDS)}"
     if rest and not command.takes:
         return f"/{name}: got {rest!r}, expected nothing after it"
-    return printable(command.run(context, rest) if command.takes else command.run(context))
+    try:
+        return printable(command.run(context, rest) if command.takes else command.run(context))
+    except EdgeVoxError as error:
+        return printable(str(error))
+
+
+def is_sheet(line: str) -> bool:
+    """Whether the answer to a slash command is a picture made of characters."""
+    name = _split(line)[0]
+    return name in COMMANDS and COMMANDS[name].sheet
 
 
 def _split(line: str) -> tuple[str, str]:

@@ -190,7 +190,7 @@ class Sheet(ModalScreen[None]):
         padding: 1 2; background: $surface; border: round $primary;
     }
     Sheet Static { width: auto; max-width: 100%; }
-    Sheet.-narrow > VerticalScroll { padding: 0; }
+    Sheet.-narrow > VerticalScroll, Sheet.-short > VerticalScroll { padding: 0; }
     """
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("ctrl+c", "app.interrupt", "Stop", priority=True),

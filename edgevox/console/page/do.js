@@ -48,7 +48,7 @@ export function doPanel(store, link) {
   };
   for (const type of ["hello", "lease", "link"]) store.on(type, tellHint);
   return h("section", { class: "card do-card scroll stack", tabindex: "0", "aria-label": say("do") },
-    hint, joystick(store, link), fields);
+    hint, fields);
 }
 
 // A joystick for bodies that take velocities: ten times a second while it is held, one zero when it is let go, nothing
@@ -127,13 +127,12 @@ class Driver {
 }
 
 /** @param {import("./store.js").Store} store @param {import("./link.js").Link} link */
-function joystick(store, link) {
+export function joystick(store, link) {
   const driver = new Driver(store, link);
   const knob = h("div", { class: "knob" });
   const pad = h("div", { class: "stick", tabindex: "0", role: "application", "aria-label": say("joystick"),
     "aria-describedby": "stick-hint" }, knob);
-  const box = h("div", { class: "joystick", hidden: true }, pad,
-    h("p", { class: "quiet small-text", id: "stick-hint" }, say("joystick_hint")));
+  const box = h("div", { class: "joystick", hidden: true }, pad, h("p", { class: "quiet small-text", id: "stick-hint" }, say("joystick_hint")));
   const show = (/** @type {number} */ right, /** @type {number} */ ahead) => {
     knob.style.transform = `translate(${right * 42}px, ${-ahead * 42}px)`;
   };

@@ -39,6 +39,10 @@ export class Link {
     this.waiting = new Map();
     this.id = 0;
     this.heard = 0;
+    /** A stop was pressed before the page was there; its Stop takes it over. */
+    this.owesStop = false;
+    /** What came before the page was there; null from then on. @type {string[] | null} */
+    this.early = [];
     this.tries = 0;
     /** Milliseconds there and back, of the last ping. */
     this.roundtrip = 0;
@@ -51,6 +55,7 @@ export class Link {
     const socket = new WebSocket(socketAddress(`/ws?language=${language()}`));
     this.socket = socket;
     this.heard = performance.now();
+    socket.onopen = () => this.owesStop && this.write({ type: "stop" });
     socket.onmessage = (event) => this.receive(event.data);
     socket.onclose = (event) => socket === this.socket && this.lost(event.code);
   }
@@ -58,6 +63,7 @@ export class Link {
   /** @param {number} code 4401: this page is no longer let in */
   lost(code) {
     this.socket = null;
+    if (this.early) this.early = [];
     for (const { reject } of this.waiting.values()) reject(new Refused("gone", "gone"));
     this.waiting.clear();
     if (code === 4401) return this.store.linked("out");
@@ -77,9 +83,24 @@ export class Link {
     this.open();
   }
 
+  /** Tell the page what has come so far, and from now on at once. */
+  begin() {
+    /** @type {string[]} */
+    const early = this.early ?? [];
+    this.early = null;
+    for (const one of early) this.receive(one);
+  }
+
+  /** Stop the robot as soon as there is a line, before the page is there. */
+  stopSoon() {
+    this.owesStop = true;
+    if (this.socket?.readyState === WebSocket.OPEN) this.write({ type: "stop" });
+  }
+
   /** @param {string} data */
   receive(data) {
     this.heard = performance.now();
+    if (this.early) return void this.early.push(data);
     const message = JSON.parse(data);
     if (message.type === "hello") this.tries = 0;
     if (message.type === "pong") this.roundtrip = performance.now() - message.t;

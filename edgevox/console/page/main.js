@@ -1,42 +1,46 @@
 /** Puts the page together. */
-import { me } from "./boot.js";
+import { paired } from "./boot.js";
 import { doPanel } from "./do.js";
 import { h, sign } from "./dom.js";
-import { knowPanel } from "./know.js";
+import { link, store } from "./early.js";
+import { knowPanel, recordingSign } from "./know.js";
 import { leaseControl } from "./lease.js";
-import { Link } from "./link.js";
 import { noticeBar, toasts } from "./notices.js";
-import { pairPage } from "./pair.js";
-import { recordingSign } from "./recordings.js";
 import { seePanel } from "./see.js";
 import { settingsPanel } from "./settings.js";
 import { stopBar } from "./stop.js";
-import { Store } from "./store.js";
 import { questionCard, talkPanel } from "./talk.js";
+import { Speech } from "./talk_sound.js";
 import { loadWords, number, say } from "./words.js";
 
 /** The panels in the order of the tabs; those from `do` on share a place on a desk. */
 const PANELS = /** @type {const} */ ([["talk", talkPanel], ["see", seePanel], ["do", doPanel], ["know", knowPanel], ["settings", settingsPanel]]);
 const ASIDE = ["do", "know", "settings"];
 
+/** @typedef {import("./store.js").Store} Store */
+/** @typedef {import("./link.js").Link} Link */
+
 /** @param {Store} store */
 function topBar(store, /** @type {Link} */ link) {
   const name = h("h1", { dir: "auto" }, "EdgeVox");
   const state = h("span", { class: "chip state", role: "status" });
-  const battery = h("span", { class: "chip battery", hidden: true });
+  const battery = h("span", { class: "chip battery", dir: "ltr", hidden: true });
   store.on("hello", () => {
     name.textContent = store.robot || "EdgeVox";
     document.title = `${store.robot || "EdgeVox"}`;
   });
   let does = "listening";
-  const tellState = () => (state.textContent = say(`state_${store.link === "ready" ? does : store.link}`));
+  const tellState = () => {
+    const now = store.link !== "ready" ? store.link : store.stop.engaged ? "stopped" : does;
+    state.textContent = say(`state_${now}`);
+  };
   store.on("talk", (m) => {
     if (m.kind !== "state") return;
     does = m.state;
     tellState();
   });
   store.on("hello", () => (does = "listening"));
-  store.on("link", tellState);
+  for (const type of ["link", "stop"]) store.on(type, tellState);
   store.on("live", () => {
     const level = store.live.battery?.level;
     battery.hidden = level == null;
@@ -60,7 +64,8 @@ function tabBar(choose, names, kind) {
 
 /** @param {Store} store @param {Link} link */
 function consolePage(store, link) {
-  const panels = PANELS.map(([name, make]) => h("div", { class: `panel ${name}`, "data-panel": name }, make(store, link)));
+  const speech = new Speech(store, link);
+  const panels = PANELS.map(([name, make]) => h("div", { class: `panel ${name}`, "data-panel": name }, make(store, link, speech)));
   const choose = (/** @type {string} */ name) => {
     for (const one of document.querySelectorAll("[data-panel]")) {
       const its = one.getAttribute("data-panel");
@@ -77,7 +82,7 @@ function consolePage(store, link) {
     h("div", { class: "bottom" }, questionCard(store, link), stopBar(store, link)), tabBar(choose, PANELS.map(([name]) => name), "tabs"));
   document.getElementById("page")?.replaceChildren(page, toasts);
   choose("do");
-  choose(matchMedia("(min-width: 900px) and (min-height: 520.02px)").matches ? "do" : "talk");
+  choose(matchMedia("(min-width: 700px) and (min-height: 520.02px)").matches ? "do" : "talk");
   store.on("link", () => look(link));
   document.addEventListener("visibilitychange", () => look(link));
 }
@@ -90,14 +95,16 @@ function look(link) {
 }
 
 async function start() {
-  const [answer] = await Promise.all([me, loadWords()]);
-  const place = document.getElementById("page");
-  if (answer.status === 401) return place?.replaceChildren(pairPage(() => location.reload()));
-  const store = new Store();
-  const link = new Link(store);
+  await loadWords();
+  if (!paired) {
+    const path = "./pair.js"; // not among what every page fetches at once
+    const { pairPage } = await import(path);
+    return document.getElementById("page")?.replaceChildren(pairPage(() => location.reload()));
+  }
+  if (store.link === "out") return location.reload();
   consolePage(store, link);
   store.on("link", (state) => state === "out" && location.reload());
-  link.open();
+  link.begin();
 }
 
 await start();

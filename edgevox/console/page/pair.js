@@ -1,11 +1,12 @@
 /** How a browser is let in: with the code that the robot shows in its terminal and its log. */
 import { h, sign } from "./dom.js";
+import { certificateLink } from "./settings.js";
 import { say, sayOr } from "./words.js";
 
 /** @param {() => void} paired */
 export function pairPage(paired) {
-  const offered = new URLSearchParams(location.hash.slice(1)).get("pair") ?? "";
-  const code = h("input", { type: "text", class: "code", required: true, maxlength: "32", value: offered, autocomplete: "one-time-code",
+  const offer = new URLSearchParams(location.hash.slice(1));
+  const code = h("input", { type: "text", class: "code", required: true, maxlength: "32", value: offer.get("pair") ?? "", autocomplete: "one-time-code",
     autocapitalize: "characters", spellcheck: "false", "aria-label": say("code"), "aria-describedby": "pair-why" });
   const name = h("input", { type: "text", maxlength: "40", autocomplete: "nickname" });
   const why = h("p", { class: "notice bad", role: "alert", id: "pair-why", hidden: true });
@@ -24,7 +25,7 @@ export function pairPage(paired) {
       const answer = await fetch("/api/pair", { method: "POST", headers: { "Content-Type": "application/json" },
         body: JSON.stringify({ code: code.value.trim(), name: name.value.trim() }) });
       if (answer.ok) {
-        history.replaceState(null, "", "/");
+        history.replaceState(null, "", offer.has("phone") ? "/#phone" : "/");
         paired();
       } else tell(sayOr(`pair_${answer.status}`, say("pair_wrong")));
     } catch {
@@ -32,8 +33,4 @@ export function pairPage(paired) {
     }
   });
   return h("main", { class: "pair-page" }, form);
-}
-
-export function certificateLink() {
-  return h("p", { class: "small-text", hidden: location.protocol !== "https:" }, h("a", { href: "/ca" }, say("certificate")));
 }

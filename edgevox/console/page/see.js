@@ -1,7 +1,9 @@
-/** What is seen: map or picture, how far the goal is, battery, joints, hand and things. */
+/** What is seen: map or picture, how far the goal is, joints, hand and things; with it what steers the robot. */
+import { joystick } from "./do.js";
 import { h } from "./dom.js";
 import { socketAddress } from "./link.js";
 import { mapCard } from "./map.js";
+import { holdToTalk } from "./talk_sound.js";
 import { number, say } from "./words.js";
 
 const SLOW_MS = 400;
@@ -9,17 +11,19 @@ const SLOW_MS = 400;
 /**
  * @param {import("./store.js").Store} store
  * @param {import("./link.js").Link} link
+ * @param {import("./talk_sound.js").Speech} speech
  */
-export function seePanel(store, link) {
+export function seePanel(store, link, speech) {
   const map = mapCard(store, link);
   const facts = h("div", { class: "facts" });
   const progress = h("progress", { max: "1", "aria-label": say("goal") });
   const goal = h("div", { class: "goal row tight", hidden: true }, progress, h("span", { class: "quiet" }));
   const joints = h("div", { class: "joints", hidden: true });
-  const panel = h("section", { class: "card see-card" }, map, pictureCard(store), goal, joints, facts);
+  const steer = h("div", { class: "steer" }, joystick(store, link), holdToTalk(store, speech));
+  const panel = h("section", { class: "card see-card" }, h("div", { class: "views" }, map, pictureCard(store), steer), goal, joints, facts);
   const arrange = () => {
     map.hidden = store.capabilities.map === false || (!store.scene && !store.capabilities.map);
-    panel.hidden = map.hidden && !store.capabilities.picture && !store.live.joints;
+    panel.hidden = map.hidden && !store.capabilities.picture && !store.capabilities.drive && !store.live.joints;
   };
   for (const type of ["hello", "scene"]) store.on(type, arrange);
   let shown = 0;

@@ -1,12 +1,10 @@
 /** The robot's settings that can change while it runs, and the language of this page. */
-import { certificateLink } from "./pair.js";
 import { h, redraw } from "./dom.js";
 import { onlyWithControl } from "./lease.js";
 import { question, tellRefusal } from "./notices.js";
-import { LANGUAGES, chooseLanguage, language, say, sayOr } from "./words.js";
+import { LANGUAGES, chooseLanguage, language, languageName, say, sayOr } from "./words.js";
 
 const CONFIRMS = ["never", "unsure", "always"];
-const named = (/** @type {string} */ code) => /** @type {Record<string, string>} */ (LANGUAGES)[code] ?? code;
 
 /**
  * @param {import("./store.js").Store} store
@@ -22,14 +20,14 @@ export function settingsPanel(store, link) {
   const show = () => {
     const c = store.controls;
     redraw(fields,
-      choice(say("robot_language"), c.languages?.length ? c.languages : Object.keys(LANGUAGES), c.language ?? "", named, (v) => set("language", v)),
+      choice(say("robot_language"), c.languages?.length ? c.languages : Object.keys(LANGUAGES), c.language ?? "", languageName, (v) => set("language", v)),
       choice(say("voice"), ["", ...(c.voices ?? [])], c.voice ?? "", (v) => v || say("best_voice"), (v) => set("voice", v)),
       choice(say("confirm"), c.confirms ?? CONFIRMS, c.confirm ?? "", (v) => sayOr(`confirm_${v}`, v), (v) => set("confirm", v)),
       flip(say("muted"), Boolean(c.muted), (on) => set("muted", on)));
   };
   for (const type of ["hello", "controls"]) store.on(type, show);
   onlyWithControl(store, fields);
-  const page = choice(say("page_language"), Object.keys(LANGUAGES), language(), named, chooseLanguage);
+  const page = choice(say("page_language"), Object.keys(LANGUAGES), language(), languageName, chooseLanguage);
   const leave = h("button", { type: "button" }, say("log_out"));
   const { element: sure, ask } = question(leave, () => say("log_out"), () =>
     fetch("/api/logout", { method: "POST" }).finally(() => location.reload()));
@@ -57,4 +55,8 @@ function choice(words, values, now, called, chosen) {
 function flip(words, on, change) {
   return h("div", { class: "field wide" }, h("span", {}, words), h("button", { class: "switch", type: "button", role: "switch",
     "aria-checked": String(on), "aria-label": words, onclick: () => change(!on) }));
+}
+
+export function certificateLink() {
+  return h("p", { class: "small-text", hidden: location.protocol !== "https:" }, h("a", { href: "/ca" }, say("certificate")));
 }

@@ -64,7 +64,8 @@ export function stopBar(store, link) {
  * @param {import("./link.js").Link} link
  */
 function insistentStop(store, link) {
-  let owed = false; // it was pressed, and the robot has not answered
+  let owed = link.owesStop; // it was pressed, and the robot has not answered
+  link.owesStop = false;
   let refused = false;
   let shouts = false;
   const close = h("button", { class: "round plain", type: "button", "aria-label": say("close"), onclick: () => settle() }, sign("close"));

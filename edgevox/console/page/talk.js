@@ -3,7 +3,7 @@ import { h, keepFocus, sign } from "./dom.js";
 import { otherHolder } from "./lease.js";
 import { tellRefusal, whyNot } from "./notices.js";
 import { soundButtons } from "./talk_sound.js";
-import { isolated, say, sayOr, number } from "./words.js";
+import { isolated, language, languageName, number, say, sayOr, wordsOf } from "./words.js";
 
 const KEPT_TURNS = 60;
 const NEAR_END_PX = 80;
@@ -59,14 +59,15 @@ class Turn {
 /**
  * @param {import("./store.js").Store} store
  * @param {import("./link.js").Link} link
+ * @param {import("./talk_sound.js").Speech} speech
  */
-export function talkPanel(store, link) {
+export function talkPanel(store, link, speech) {
   /** @type {Map<any, Turn>} */
   const turns = new Map();
   /** What was typed here and is not heard yet, the oldest first. @type {Set<Turn>} */
   const unheard = new Set();
   const log = h("div", { class: "scroll conversation", role: "log", "aria-label": say("conversation"), tabindex: "0" },
-    h("p", { class: "empty" }, say("talk_empty")));
+    firstHint(store));
   const change = endInSight(log);
   /** Words that wait stay below what was heard. */
   const place = (/** @type {Turn} */ turn) => {
@@ -123,7 +124,41 @@ export function talkPanel(store, link) {
     if (talk.length) for (const turn of turns.values()) turn.element.remove(); // it tells them all
     turns.clear(); // a robot numbers its turns from 1 after a restart
   });
-  return h("section", { class: "card talk-card" }, log, soundButtons(store, link), composer(store, link, words(tell)));
+  const card = h("section", { class: "card talk-card" }, log, soundButtons(store, speech), composer(store, link, words(tell)));
+  if (location.hash === "#phone") offerFirstSteps(card, store, link, speech);
+  return card;
+}
+
+/**
+ * What a phone needs first stands in the place of the conversation until it is done.
+ * @param {HTMLElement} card
+ * @param {import("./store.js").Store} store
+ * @param {import("./link.js").Link} link
+ * @param {import("./talk_sound.js").Speech} speech
+ */
+async function offerFirstSteps(card, store, link, speech) {
+  const path = "./first_steps.js"; // not among what every page fetches at once
+  const { firstSteps } = await import(path);
+  card.prepend(firstSteps(store, link, speech));
+}
+
+/** What can be said, in the language that the robot understands. @param {import("./store.js").Store} store */
+function firstHint(store) {
+  const own = h("p", {}, say("talk_empty"));
+  const robots = h("p", { dir: "auto", hidden: true });
+  const show = async () => {
+    const spoken = store.controls.language ?? "";
+    const same = !spoken || spoken === language();
+    own.textContent = same ? say("talk_empty") : say("robot_speaks", { language: languageName(spoken) });
+    robots.hidden = same;
+    if (same || robots.lang === spoken) return;
+    const words = await wordsOf(spoken).catch(() => null);
+    if (!words || spoken !== store.controls.language) return;
+    robots.lang = spoken;
+    robots.textContent = words.talk_empty;
+  };
+  for (const type of ["hello", "controls"]) store.on(type, show);
+  return h("div", { class: "empty stack-small" }, own, robots);
 }
 
 /** @param {(text: string, input: HTMLInputElement) => void} tell */
@@ -249,7 +284,7 @@ function noteEvent(turn, event) {
  * @param {import("./link.js").Link} link
  */
 export function questionCard(store, link) {
-  const words = h("p", { class: "fill" });
+  const words = h("p", { class: "fill", dir: "auto" });
   const answer = (/** @type {boolean} */ yes) => () => link.send({ type: "answer", yes }).catch(tellRefusal);
   const card = h("div", { class: "question", role: "alert", hidden: true }, words, h("div", { class: "row tight" },
     h("button", { class: "primary", type: "button", onclick: answer(true) }, say("yes")),

@@ -14,62 +14,84 @@ function whyDeaf() {
   return navigator.mediaDevices && window.AudioWorkletNode ? "" : "unsupported";
 }
 
-/**
- * The part that makes and plays sound; it is fetched when somebody first wants it.
- * @param {(state: any) => void} onState
- */
-async function openSound(onState) {
-  const path = "./sound/sound.js"; // a name that is known only while it runs: the page works without
-  const { Sound } = await import(path);
-  const sound = new Sound(onState);
-  await sound.connect();
-  return sound;
+/** The part that makes and plays sound; it is fetched when somebody first wants it. Tells `sound` why it does not work. */
+export class Speech {
+  /** @param {import("./store.js").Store} store @param {import("./link.js").Link} link */
+  constructor(store, link) {
+    this.store = store;
+    this.link = link;
+    /** Why there is no sound, in words; empty if there may be. */
+    this.why = "";
+    /** @type {Promise<any> | null} */
+    this.opened = null;
+  }
+
+  /** Why this browser can neither hear nor speak; empty if it may. */
+  get deaf() {
+    return whyDeaf();
+  }
+
+  /** @param {(sound: any) => any} action */
+  async use(action) {
+    this.opened ??= this.open().catch((error) => {
+      this.opened = null;
+      this.tell(error?.name === "NotAllowedError" ? "denied" : error?.name === "NotFoundError" ? "absent" : "failed");
+      throw error;
+    });
+    return action(await this.opened);
+  }
+
+  async open() {
+    const path = "./sound/sound.js"; // a name that is known only while it runs: the page works without
+    const { Sound } = await import(path);
+    const sound = new Sound((/** @type {any} */ state) => this.tell(typeof state === "string" ? state : state?.error ?? state?.state ?? ""));
+    await sound.connect();
+    return sound;
+  }
+
+  /** To speak takes control of a free robot. @param {boolean} on @param {(sound: any) => any} action */
+  async speak(on, action) {
+    if (on && this.store.free) await this.link.send({ type: "lease", action: "take" });
+    return this.use(action);
+  }
+
+  /** @param {string} code */
+  tell(code) {
+    const broken = BROKEN.includes(code) || code === "insecure";
+    this.why = broken ? sayOr(`sound_${code}`, say("sound_failed")) : "";
+    this.store.tell("sound", broken);
+  }
 }
 
 /**
  * @param {import("./store.js").Store} store
- * @param {import("./link.js").Link} link
+ * @param {Speech} speech
  */
-export function soundButtons(store, link) {
+export function soundButtons(store, speech) {
   const why = h("p", { class: "quiet small-text", role: "status" });
-  /** @type {Promise<any> | null} */
-  let opened = null;
-  const tell = (/** @type {string} */ code) => (why.textContent = code && sayOr(`sound_${code}`, say("sound_failed")));
-  const onState = (/** @type {any} */ state) => {
-    const code = typeof state === "string" ? state : state?.error ?? state?.state ?? "";
-    tell(BROKEN.includes(code) ? code : "");
-    if (BROKEN.includes(code)) open.setAttribute("aria-pressed", "false"); // it never goes on by itself
-  };
-  const sound = () => (opened ??= openSound(onState).catch((error) => {
-    opened = null;
-    tell(error?.name === "NotAllowedError" ? "denied" : error?.name === "NotFoundError" ? "absent" : "failed");
-    throw error;
-  }));
-  const use = (/** @type {(s: any) => any} */ action) => sound().then(action);
-  /** To speak takes control of a free robot. */
-  const speak = async (/** @type {boolean} */ on, /** @type {(s: any) => any} */ action) => {
-    if (on && store.free) await link.send({ type: "lease", action: "take" });
-    return use(action);
-  };
-  const talk = holdToTalk(speak);
-  const open = toggle("waves", say("open_microphone"), (on) => speak(on, (s) => s.open(on)));
-  const hear = toggle("ear", say("hear_here"), (on) => use((s) => s.hear(on)));
-  const box = h("div", { class: "sound" }, h("div", { class: "row tight" }, talk, open, hear), why);
+  const open = toggle("waves", say("open_microphone"), (on) => speech.speak(on, (s) => s.open(on)));
+  const hear = toggle("ear", say("hear_here"), (on) => speech.use((s) => s.hear(on)));
+  const box = h("div", { class: "sound" }, h("div", { class: "row tight" }, holdToTalk(store, speech), open, hear), why);
+  store.on("sound", (broken) => {
+    why.textContent = speech.why;
+    if (broken) open.setAttribute("aria-pressed", "false"); // it never goes on by itself
+  });
+  store.on("hears", () => hear.setAttribute("aria-pressed", "true"));
   const show = () => {
-    const deaf = whyDeaf();
-    const speaks = Boolean(store.capabilities.sound);
-    box.hidden = !speaks;
-    talk.disabled = open.disabled = Boolean(deaf) || !store.may;
+    box.hidden = !store.capabilities.sound;
+    open.disabled = Boolean(speech.deaf) || !store.may;
     hear.disabled = store.link !== "ready" || !window.isSecureContext || !window.AudioWorkletNode;
-    if (deaf) tell(deaf);
+    if (speech.deaf) speech.tell(speech.deaf);
   };
   for (const type of ["hello", "lease", "link"]) store.on(type, show);
-  store.on("link", (state) => state !== "ready" && (talk.dispatchEvent(new Event("release"))));
   return box;
 }
 
-/** @param {(on: boolean, action: (sound: any) => any) => Promise<any>} speak */
-function holdToTalk(speak) {
+/**
+ * @param {import("./store.js").Store} store
+ * @param {Speech} speech
+ */
+export function holdToTalk(store, speech) {
   const button = h("button", { class: "hold fill", type: "button", "aria-pressed": "false" },
     sign("microphone"), h("span", {}, say("hold_to_talk")));
   let held = false;
@@ -78,19 +100,25 @@ function holdToTalk(speak) {
     held = on;
     button.classList.toggle("on", on);
     button.setAttribute("aria-pressed", String(on));
-    speak(on, (sound) => sound.hold(held)).catch(() => (held = false) || button.classList.remove("on"));
+    speech.speak(on, (sound) => sound.hold(held)).catch(() => (held = false) || button.classList.remove("on"));
   };
   button.addEventListener("pointerdown", (event) => {
     if (event.button !== 0) return;
     button.setPointerCapture(event.pointerId);
     hold(true);
   });
-  for (const end of ["pointerup", "pointercancel", "lostpointercapture", "blur", "release"])
+  for (const end of ["pointerup", "pointercancel", "lostpointercapture", "blur"])
     button.addEventListener(end, () => hold(false));
   button.addEventListener("keydown", (event) => PRESSES.includes(event.key) && !event.repeat && hold(true));
   button.addEventListener("keyup", (event) => PRESSES.includes(event.key) && hold(false));
   button.addEventListener("contextmenu", (event) => event.preventDefault());
   window.addEventListener("blur", () => hold(false));
+  const show = () => {
+    button.hidden = !store.capabilities.sound;
+    button.disabled = Boolean(speech.deaf) || !store.may;
+    if (store.link !== "ready") hold(false);
+  };
+  for (const type of ["hello", "lease", "link"]) store.on(type, show);
   return button;
 }
 

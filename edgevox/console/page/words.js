@@ -6,6 +6,8 @@ export const LANGUAGES = {
   id: "Bahasa Indonesia", it: "Italiano", ja: "日本語", nl: "Nederlands", pl: "Polski",
   pt: "Português", ru: "Русский", tr: "Türkçe", vi: "Tiếng Việt", zh: "中文",
 };
+/** @param {string} one @returns {string} */
+export const languageName = (one) => /** @type {Record<string, string>} */ (LANGUAGES)[one] ?? one;
 const KEPT = "edgevox-language";
 
 /** @type {Record<string, string>} */
@@ -24,16 +26,22 @@ function wanted() {
 /** @type {Promise<void> | undefined} */
 let loading;
 
-/** Fetch the words of the language that this browser wants, once. */
+/** The words of the language that this browser wants, once: at once where they came with the document. */
 export const loadWords = () => (loading ??= fetchWords());
 
 async function fetchWords() {
   code = wanted();
-  const answer = await fetch(new URL(`languages/${code}.json`, import.meta.url));
-  if (!answer.ok) throw new TypeError(answer.statusText);
-  words = await answer.json();
+  const given = document.getElementById("words");
+  words = given?.lang === code ? JSON.parse(given.textContent ?? "") : await wordsOf(code);
   document.documentElement.lang = code;
   document.documentElement.dir = code === "ar" ? "rtl" : "ltr";
+}
+
+/** The words of a language. @param {string} one @returns {Promise<Record<string, string>>} */
+export async function wordsOf(one) {
+  const answer = await fetch(new URL(`languages/${one}.json`, import.meta.url));
+  if (!answer.ok) throw new TypeError(answer.statusText);
+  return answer.json();
 }
 
 /** @param {string} chosen */

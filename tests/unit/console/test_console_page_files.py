@@ -2,6 +2,7 @@
 
 import asyncio
 import gzip
+import json
 import re
 from pathlib import Path
 
@@ -47,6 +48,40 @@ def test_a_document_names_all_modules_that_it_begins_with_below_their_content(fo
     assert not set(addresses(PageFiles(folder))) & set(first)
 
 
+def test_style_sheets_come_as_one_in_their_order(tmp_path: Path) -> None:
+    sheets = '<link rel="stylesheet" href="/static/style/{}.css">\n'
+    (tmp_path / "index.html").write_text(sheets.format("b") + sheets.format("a"))
+    (tmp_path / "style").mkdir()
+    for name in "ab":
+        (tmp_path / "style" / f"{name}.css").write_text(name)
+    files = PageFiles(tmp_path)
+    (address,) = addresses(files)
+    assert asyncio.run(answered(files, address)).body == b"b\na"
+
+
+@pytest.mark.parametrize(
+    ("accepted", "lang"),
+    [("de-DE,de;q=0.9,en;q=0.8", "de"), ("xx, en", "en"), ("xx", ""), ("", "")],
+)
+def test_the_words_of_the_browsers_language_come_with_the_document(
+    folder: Path, accepted: str, lang: str
+) -> None:
+    (folder / "index.html").write_text("<html lang='en'><body></body></html>")
+    (folder / "languages").mkdir()
+    for name in ("de", "en"):
+        (folder / "languages" / f"{name}.json").write_text('{"a": "</script>"}')
+    files = PageFiles(folder)
+    request = make_mocked_request("GET", "/", {"Accept-Language": accepted})
+    body = files.document(request, "index.html", paired=True).body
+    assert isinstance(body, bytes)
+    assert b"<html data-paired " in body
+    found = re.findall(rb'id="words" lang="(\w+)">(.*)</script>', body)
+    assert [one.decode() for one, _ in found] == ([lang] if lang else [])
+    assert all(json.loads(words) == {"a": "</script>"} for _, words in found)
+    assert b"</script>" not in b"".join(words for _, words in found)
+    assert b"data-paired" not in (got(files, "index.html").body or b"")
+
+
 def test_text_is_compressed_for_who_takes_it(folder: Path) -> None:
     files = PageFiles(folder)
     plain, small = got(files, "b.js"), got(files, "b.js", "br, gzip")
@@ -86,4 +121,4 @@ def test_by_the_address_of_its_content_a_file_is_kept_and_by_another_it_is_not(
 
 def test_the_page_itself_begins_with_few_files() -> None:
     """Over HTTP/1.1 a browser fetches six at once: each six more are another way there and back."""
-    assert len(addresses(PageFiles(PAGE))) <= 25
+    assert len(addresses(PageFiles(PAGE))) <= 22

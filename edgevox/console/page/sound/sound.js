@@ -64,6 +64,11 @@ export class Sound {
     await this.speak({ type: "talk", held: true }, () => this.held);
   }
 
+  /** Ask the person for the microphone, before anything is said. */
+  allow() {
+    return this.speak({}, () => false);
+  }
+
   /**
    * An open microphone: whoever wants something says the wake word, if the robot has one.
    * @param {boolean} on
