@@ -94,6 +94,10 @@ secured: $(DONE)/dev $(DONE)/msgs ## Hold DDS security against the wire; SECURE_
 	@tests/ros2/with_secure_dds build/secure-dds "$(SECURE_DDS)" \
 	  $(BIN)/python -m pytest tests/ros2/secured_contract.py tests/ros2/secured_perimeter.py $(ARGS)
 
+.PHONY: units
+units: $(DONE)/dev ## Hold the files in systemd/ against systemd and Podman 4.5 or later; QUADLET=... names its generator.
+	@$(BIN)/python -m pytest tests/programs/service_units_taken.py $(ARGS)
+
 .PHONY: steady
 steady: ## Run tests again and again, on a machine that is kept busy; hours.
 	@PYTHON=$(PYTHON) scripts/check_machine unit talk wrong training programs robots models ros2

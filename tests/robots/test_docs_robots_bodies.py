@@ -20,6 +20,7 @@ TOPICS = {
     "scan": can.HasLidar,
     "image_raw": can.HasCamera,
     "camera_info": can.HasCamera,
+    "picture": can.HasCamera,
     "cmd_vel": can.TakesVelocity,
     "goal_pose": can.DrivesTo | can.HasEndEffector,
 }

@@ -61,7 +61,7 @@ def talk(robot):
 
 
 def test_a_state_is_asked_for_by_its_name_or_its_own_sentence(talk, asked):
-    talk.ask_until("what is the warmth", "My warmth is 41 degrees.")
+    talk.ask_until("what is the warmth", "The warmth is 41 degrees.")
     talk.ask_until("is the door open", "The door is shut.")
     asked.do("open")
     talk.ask_until("is the door open", "The door is open.")

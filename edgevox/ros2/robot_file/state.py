@@ -70,7 +70,9 @@ class RobotStates:
             if not compares(value, need, wanted):
                 told = {code: text for code, text in need.languages.items() if text}
                 told["en"] = need.failed
-                raise SkillFailed(Reason(need.failed, "not_now", {}, told, is_sentence=True))
+                raise SkillFailed(
+                    Reason(need.failed, code="not_now", sentences=told, is_sentence=True)
+                )
 
     def _awaited(self, name: str, token: CancelToken) -> Any:
         """A value, as soon as one is heard: the robot may have been found just now."""
@@ -135,7 +137,7 @@ def _question(name: str, entry: StateEntry) -> SkillEntry:
     usual = {
         "description": f"Say what the {called} is.",
         "sentences": [f"what (is|are) [(the|your)] {called}", f"what's [(the|your)] {called}"],
-        "done": f"My {called} is {{{name}}}{unit}.",
+        "done": f"The {called} is {{{name}}}{unit}.",
     }
     given = {key: getattr(entry, key) for key in entry.model_fields_set & entry.said}
     return SkillEntry.model_validate({**read.model_dump(exclude_unset=True), **usual, **given})
