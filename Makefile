@@ -170,8 +170,8 @@ bundle: $(DONE)/run ## Make one signed archive for a site without a network; KEY
 	@$(BIN)/python scripts/bundle.py --key "$(KEY)" --image "$(IMAGE)" $(if $(MODELS),--models $(MODELS))
 
 .PHONY: scan
-scan: $(DONE)/dev ## Ask OSV for known vulnerabilities of the locks and the image; IMAGE=..., or SBOM=... that was kept.
-	@$(BIN)/python scripts/scan.py $(if $(SBOM),--sbom "$(SBOM)",--image "$(IMAGE)") $(ARGS)
+scan: $(DONE)/dev ## Ask OSV, or its database on disk, DB=..., for known vulnerabilities of the locks and the image; IMAGE=..., or SBOM=... that was kept.
+	@$(BIN)/python scripts/scan.py $(if $(SBOM),--sbom "$(SBOM)",--image "$(IMAGE)") $(if $(DB),--db "$(DB)") $(ARGS)
 
 .PHONY: up
 up: ## Start a robot in a container and wait until it is ready.

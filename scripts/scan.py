@@ -1,4 +1,6 @@
-"""Ask OSV which known vulnerabilities the image's packages and the locks have: `make scan`.
+"""Which known vulnerabilities the image's packages and the locks have, by OSV: `make scan`.
+
+OSV is a service, or a database on the disk, which needs no network.
 
 Python packages come from requirements/*.lock and the image's bill of materials, Debian's and
 Ubuntu's from the latter, npm's from requirements/page. Exit code: 0 none is known, 1 some are, 2
@@ -11,13 +13,15 @@ import re
 import subprocess
 import sys
 import time
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 from typing import Any
 from urllib.parse import parse_qs, unquote
 
 import httpx
+from osv_database import IDENTIFIER, MALFORMED, CouldNotLook, Looked, Package, look_up, python_name
 from provenance import SBOM_IN_IMAGE, Image
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -29,35 +33,12 @@ PAGES = 20
 TIMEOUT_S = 60.0
 """For one answer, to its end."""
 MOST_BYTES = 64 << 20
-IDENTIFIER = re.compile(r"[A-Za-z0-9][\w.:-]{0,99}", re.ASCII)
-"""What names an entry, such as CVE-2024-1."""
-MALFORMED = (ValueError, LookupError, TypeError, AttributeError, RecursionError)
-"""What is raised by something in JSON that is not of the form that it should be of."""
 CLEAN, FOUND, BLIND = 0, 1, 3
 LOCKED = re.compile(r"^([\w.-]+)==([^\s;\\]+)", re.MULTILINE)
 UNFOLLOWED = re.compile(r"ros-|edgevox-robot$")
 """Names of packages that no list of vulnerabilities follows: ROS 2's, and this one."""
 ROS = "pkg:generic/ros/"
 """The packages of ROS 2 in a bill of materials, likewise."""
-
-
-@dataclass(frozen=True, order=True)
-class Package:
-    """What OSV is asked of."""
-
-    ecosystem: str
-    name: str
-    version: str
-
-    def __str__(self) -> str:
-        return f"{self.ecosystem} {self.name} {self.version}"
-
-    def query(self) -> dict[str, Any]:
-        """As OSV wants it."""
-        return {
-            "package": {"ecosystem": self.ecosystem, "name": self.name},
-            "version": self.version,
-        }
 
 
 @dataclass
@@ -79,27 +60,30 @@ class Contents:
             self.where.setdefault(package, set()).add(place)
 
 
-class CouldNotLook(Exception):
-    """Nothing is known; the message says why."""
-
-
 def main(arguments: Sequence[str] | None = None) -> int:
     """Look and tell."""
     parser = argparse.ArgumentParser("scan.py", description=__doc__)
     parser.add_argument("--image", default="edgevox-ros2:local", help="whose SBOM is looked at")
     parser.add_argument("--sbom", type=Path, help="a kept SBOM in place of the image's")
-    parser.add_argument("--service", default=SERVICE, help="an OSV service, by its address")
+    asked = parser.add_mutually_exclusive_group()
+    asked.add_argument("--service", default=SERVICE, help="an OSV service, by its address")
+    asked.add_argument(
+        "--db", type=Path, help="OSV's all.zip, or a folder of them or of entries: no network"
+    )
     options = parser.parse_args(arguments)
     contents = Contents()
     add_locks(contents)
     add_page_lock(contents)
     add_sbom(contents, options.sbom, options.image)
+    look = (
+        partial(look_up, path=options.db) if options.db else partial(ask, service=options.service)
+    )
     try:
-        found = ask(sorted(contents.where), options.service)
+        looked = look(sorted(contents.where))
     except CouldNotLook as error:
         say(f"could not look: {error}")
         return BLIND
-    return tell(found, contents, options.service)
+    return tell(looked, contents, str(options.db or options.service))
 
 
 def add_locks(contents: Contents) -> None:
@@ -163,7 +147,7 @@ def package_of(purl: str) -> Package | None:
 
 def python_package(name: str, version: str) -> Package:
     """A package of the Python index, by the one spelling of its name that OSV knows."""
-    return Package("PyPI", re.sub(r"[-_.]+", "-", name).lower(), version)
+    return Package("PyPI", python_name(name), version)
 
 
 def release(distro: str) -> str:
@@ -177,19 +161,19 @@ def release(distro: str) -> str:
     return ""
 
 
-def ask(packages: Sequence[Package], service: str) -> dict[Package, set[str]]:
-    """The numbers of what is known, for the packages of which something is.
+def ask(packages: Sequence[Package], service: str) -> Looked:
+    """What the service knows of them.
 
     Raises `CouldNotLook` for anything but a whole answer.
     """
-    found: dict[Package, set[str]] = {}
+    looked = Looked()
     questions = [(one, one.query()) for one in packages]
     try:
         with httpx.Client(base_url=service, timeout=TIMEOUT_S) as client:
             for _ in range(PAGES):
-                questions = list(_answered(client, questions, found))
+                questions = list(_answered(client, questions, looked.found))
                 if not questions:
-                    return found
+                    return looked
     except (httpx.HTTPError, httpx.InvalidURL) as error:
         raise CouldNotLook(f"{service}: {error or type(error).__name__}") from error
     except MALFORMED as error:
@@ -237,26 +221,28 @@ def _answer(client: httpx.Client, asked: object) -> bytes:
     return bytes(said)
 
 
-def tell(found: Mapping[Package, set[str]], contents: Contents, service: str) -> int:
+def tell(looked: Looked, contents: Contents, source: str) -> int:
     """Print what is known, what was looked at, and what was not."""
+    found, unknown = looked.found, [*contents.unknown, *looked.unknown]
     for package in sorted(found):
         places = ", ".join(sorted(contents.where[package]))
         say(f"{package} ({places}): {' '.join(sorted(found[package]))}")
     numbers: set[str] = set().union(*found.values())
-    sys.stdout.write(
-        f"looked at {len(contents.where)} packages, by {service}: {len(numbers)} entries "
-        f"of {len(found)} of them\n"
+    age = f", whose newest entry is of {looked.newest[:10]}" if looked.newest else ""
+    say(
+        f"looked at {len(contents.where)} packages, by {source}{age}: {len(numbers)} entries "
+        f"of {len(found)} of them"
     )
     if contents.unfollowed:
         count = len(contents.unfollowed)
         sys.stdout.write(
             f"not looked at: {count} packages of ROS 2 and EdgeVox, nobody lists them\n"
         )
-    for one in contents.unknown:
+    for one in unknown:
         say(f"could not look: {one}")
     if found:
         return FOUND
-    return BLIND if contents.unknown else CLEAN
+    return BLIND if unknown else CLEAN
 
 
 if __name__ == "__main__":
