@@ -34,7 +34,7 @@ from edgevox.core.status import Components
 from edgevox.ops.health import Health
 from edgevox.ros2 import split_ros_args
 from edgevox.ros2.open import check_environment
-from edgevox.ros2.recordings import PREFIX, WhenFull, used_bytes
+from edgevox.ros2.recordings import WhenFull, new_folder, used_bytes
 from edgevox.scenario import Scenario, load_scenario, run_scenario
 from edgevox.scenario.run import StepResult, heading, line, summary
 
@@ -242,7 +242,7 @@ def _record(asked: RecorderArguments, scenario: Scenario | None, lost: list[str]
     from edgevox.ros2.recorder import Disk, Recorder, choose_topics
 
     namespace = asked.settings.agent_namespace
-    folder = asked.output / f"{PREFIX}{datetime.now(UTC):%Y%m%d-%H%M%S}"
+    folder = new_folder(asked.output, datetime.now(UTC))
     most = None if asked.most_mb is None else round(asked.most_mb * MB)
     disk = Disk(
         folder,

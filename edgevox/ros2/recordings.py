@@ -1,9 +1,10 @@
 """The folders of recordings: the names of their files, their bytes, and which goes first.
 
-A recording is a folder `edgevox-TIME`. What is being written, or was left so, ends with `.open`:
-`edgevox-TIME_0.mcap.open`, `metadata.yaml.open`. A file gets its own name in one step, once all of
-it is on the disk. `.broken` is at the end of a file in which nothing can be read. Whoever writes to
-a folder, or mends or removes what is in it, holds its lock, which ends with the process.
+A recording is a folder `edgevox-TIME`; `-002` follows where the clock was set back. What is being
+written, or was left so, ends with `.open`: `edgevox-TIME_0.mcap.open`, `metadata.yaml.open`. A file
+gets its own name in one step, once all of it is on the disk. `.broken` is at the end of a file in
+which nothing can be read. Whoever writes to a folder, or mends or removes what is in it, holds its
+lock, which ends with the process.
 """
 
 import fcntl
@@ -11,7 +12,9 @@ import os
 import re
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
+from datetime import UTC, datetime
 from enum import StrEnum
+from itertools import count
 from pathlib import Path
 
 from edgevox.core.files.state_files import sync_folder
@@ -19,6 +22,9 @@ from edgevox.core.files.user_file import size_bytes
 
 PREFIX = "edgevox-"
 """The beginning of a recording's name. Folders with other names are not looked at."""
+TIME = "%Y%m%d-%H%M%S"
+"""What follows it: the start, in UTC."""
+_TIME_LENGTH = len("20261128-120000")
 OPEN = ".open"
 BROKEN = ".broken"
 METADATA = "metadata.yaml"
@@ -38,8 +44,26 @@ class WhenFull(StrEnum):
     """The oldest finished files are removed, also where the disk has no room to spare."""
 
 
+def new_folder(output: Path, now: datetime) -> Path:
+    """The folder of a recording that begins now, which is not there yet."""
+    first = output / f"{PREFIX}{now.astimezone(UTC):{TIME}}"
+    if not first.exists():
+        return first
+    others = (first.with_name(f"{first.name}-{number:03}") for number in count(2))
+    return next(one for one in others if not one.exists())
+
+
+def begun(folder: Path) -> float | None:
+    """When a recording began by the robot's clock, in seconds since 1970; None if nobody knows."""
+    told = folder.name.removeprefix(PREFIX)[:_TIME_LENGTH]
+    try:
+        return datetime.strptime(f"{told}Z", f"{TIME}%z").timestamp()
+    except ValueError:
+        return None
+
+
 def folders(output: Path) -> list[Path]:
-    """The recordings in a folder, the oldest first; none where there is no such folder."""
+    """The recordings in a folder, the oldest by name first; none where there is no such folder."""
     return sorted(one for one in output.glob(f"{PREFIX}*") if one.is_dir())
 
 

@@ -4,6 +4,7 @@ import json
 import os
 import re
 import resource
+import shutil
 import signal
 import struct
 import subprocess
@@ -39,10 +40,10 @@ ROOM_FOR_EVENTS = 60.0
 class Recorder:
     """A running edgevox-recorder and what it printed."""
 
-    def __init__(self, output, domain, *arguments, **options):
+    def __init__(self, output, domain, *arguments, within=(), **options):
         self.output = output
         self.process = subprocess.Popen(
-            [RECORDER, "--output", str(output), *arguments],
+            [*within, RECORDER, "--output", str(output), *arguments],
             stdout=subprocess.PIPE,
             stderr=subprocess.STDOUT,
             text=True,
@@ -272,6 +273,52 @@ def test_a_disk_that_takes_no_more_is_said_and_costs_no_more_than_the_exit_code(
     assert any("recording_stopped" in line and "File too large" in line for line in one.lines)
     assert one.lines[-1].startswith("edgevox-recorder: not all was recorded: ")
     assert any("/edgevox/robot_state" in texts_of(file) for file in one.files())
+
+
+SMALL_DISK = 'mount -t tmpfs -o size=400k none "$0" && exec "$@"'
+NAMESPACES = (("unshare", "--mount"), ("unshare", "--mount", "--map-root-user"))
+"""Ways to mount a disk that only the recorder sees: as root, as whoever may."""
+
+
+@pytest.mark.long
+def test_a_disk_that_was_full_has_whole_files_of_before_and_after(recorder, tmp_path):
+    at = tmp_path / "disk"
+    at.mkdir()
+    may = [way for way in NAMESPACES if not subprocess.run([*way, "true"]).returncode]
+    assert may, "nobody here may make a mount namespace"
+    one = recorder(
+        *("--output", str(at), "--spare", "0", "--topics", "robot_state"),
+        within=[*may[0], "sh", "-c", SMALL_DISK, str(at)],
+    ).wait_until_it_records()
+    number = os.open(f"/proc/{one.process.pid}/root{at}", os.O_PATH)  # it outlives the recorder
+    try:
+        one.output = Path(f"/proc/self/fd/{number}")
+        wait_until(lambda: states_in(one.files()), "a state in a file")
+        fill(one.output / ".filler")
+        one.wait_until_it_says("recording_stopped")
+        before = states_in(one.files())
+        (one.output / ".filler").unlink()
+        one.wait_until_it_says("recording_goes_on")
+        wait_until(lambda: len(states_in(one.files())) > len(before) + 5, "later states in a file")
+        assert one.end() == 74, one.lines
+        shutil.copytree(one.output, tmp_path / "kept")
+    finally:
+        os.close(number)
+    assert any("recording_stopped" in line and "No space left" in line for line in one.lines)
+    (folder,) = (tmp_path / "kept").iterdir()
+    assert not opened(folder)
+    kept = states_in(finished(folder))
+    assert kept[: len(before)] == before
+    assert len(kept) > len(before) + 5
+    assert kept == sorted(set(kept))
+    assert count_in(folder) == flushed(finished(folder)) == {"/edgevox/robot_state": len(kept)}
+
+
+def fill(path):
+    """Write until the disk takes no byte more."""
+    with path.open("wb", buffering=0) as file, suppress(OSError):
+        while file.write(bytes(1024)):
+            pass
 
 
 def test_a_scenario_that_comes_true_ends_with_0_and_is_recorded(agent, recorder_of, domain):

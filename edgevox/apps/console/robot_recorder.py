@@ -9,7 +9,6 @@ import threading
 import time
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
-from datetime import datetime
 from enum import StrEnum
 from importlib.util import find_spec
 from pathlib import Path
@@ -21,7 +20,7 @@ from edgevox.core.log import get_logger
 from edgevox.core.settings import Settings
 from edgevox.core.status import ComponentName, Finding, HealthCheck, Level, Status
 from edgevox.ros2.contract import RECORDER_NODE
-from edgevox.ros2.recordings import PREFIX, finished, folders, opened, remove, used_bytes
+from edgevox.ros2.recordings import begun, finished, folders, opened, remove, used_bytes
 from edgevox.security.startup import ENABLE, ENCLAVE, KEYSTORE, OVERRIDE, ROS_KEYSTORE
 
 log = get_logger(__name__)
@@ -83,7 +82,9 @@ class KeptRecordings:
         found: list[Mapping[str, Any]] = []
         for one in self.files():
             with suppress(FileNotFoundError):  # it was deleted just now
-                found.append({"name": one.name, "bytes": one.stat().st_size, "begun": _begun(one)})
+                found.append(
+                    {"name": one.name, "bytes": one.stat().st_size, "begun": begun(one.parent)}
+                )
         return found
 
     def delete(self, name: str) -> None:
@@ -98,14 +99,6 @@ class KeptRecordings:
         near = next(one for one in (self.folder, *self.folder.parents) if one.exists())
         free = shutil.disk_usage(near).free - SPARE_MB * MB
         return min(free, self._most_bytes - used_bytes(self.folder))
-
-
-def _begun(file: Path) -> float | None:
-    """Seconds since 1970, by the name of its folder, which is in UTC."""
-    try:
-        return datetime.strptime(f"{file.parent.name}Z", f"{PREFIX}%Y%m%d-%H%M%S%z").timestamp()
-    except ValueError:
-        return None
 
 
 LONGEST_S = 3600.0

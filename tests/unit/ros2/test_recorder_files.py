@@ -32,9 +32,9 @@ from edgevox.ros2.standard_topics import AUDIO, INTEROP
 (TEXT,) = choose_topics("/robot1", ["response"])
 
 
-def said(number, size=0):
+def said(number, size=0, at_ns=1_000_000_000):
     data = serialize_message(String(data=f"{number}" + "x" * size))
-    return RecordedMessage(TEXT, data, 1_000_000_000 + number, 1_000_000_000 + number)
+    return RecordedMessage(TEXT, data, at_ns + number, at_ns + number)
 
 
 def texts(folder):
@@ -120,6 +120,40 @@ def test_a_full_file_is_followed_by_another_and_the_folder_reads_as_one(tmp_path
     about = yaml.safe_load((bag.folder / "metadata.yaml").read_text())
     about = about["rosbag2_bagfile_information"]
     assert (about["message_count"], about["storage_identifier"]) == (9, "mcap")
+
+
+HOUR_NS = 3_600_000_000_000
+SET_BACK = (30 * HOUR_NS, 10 * HOUR_NS, 20 * HOUR_NS)
+"""The clock while it is recorded: it is set far back, and then forward again."""
+
+
+def test_more_than_a_hundred_files_are_read_in_their_order_also_after_silence_and_a_set_clock(
+    tmp_path,
+):
+    bag = Bag(tmp_path / "edgevox-1", 600)
+    written = []
+    while bag.files <= 110:
+        number = len(written)
+        written.append(said(number, 50, SET_BACK[bag.files // 40]))
+        bag.write(written[-1:], {})
+        bag.write([], {})
+    bag.end_file({})
+    bag.close()
+    about = yaml.safe_load((bag.folder / "metadata.yaml").read_text())
+    about = about["rosbag2_bagfile_information"]
+    in_files = []
+    for name in about["relative_file_paths"]:
+        with (bag.folder / name).open("rb") as stream:
+            reader = make_reader(stream, validate_crcs=True)
+            rows = [message for _, _, message in reader.iter_messages(log_time_order=False)]
+            assert reader.get_summary().statistics.message_count == len(rows)
+            assert [one.sequence for one in rows] == list(range(1, len(rows) + 1))
+            in_files += [(one.log_time, one.data) for one in rows]
+    assert in_files == [(one.received_ns, one.data) for one in written]
+    assert sorted(texts(bag.folder), key=int) == [str(number) for number in range(len(written))]
+    times = [one.received_ns for one in written]
+    assert about["starting_time"]["nanoseconds_since_epoch"] == min(times)
+    assert about["duration"]["nanoseconds"] == max(times) - min(times)
 
 
 def test_a_recording_of_nothing_leaves_no_file(tmp_path):

@@ -2,6 +2,7 @@
 
 import os
 import shutil
+from datetime import datetime, timedelta, timezone
 
 import pytest
 from mcap.reader import make_reader
@@ -13,7 +14,7 @@ from std_msgs.msg import Int32, String
 from edgevox.ros2.recorder.mcap import Bag, RecordedMessage
 from edgevox.ros2.recorder.mend import mend_files, mend_recordings
 from edgevox.ros2.recorder.recorded_topics import choose_topics
-from edgevox.ros2.recordings import held, used_bytes
+from edgevox.ros2.recordings import begun, folders, held, new_folder, used_bytes
 
 TEXT, NUMBER = choose_topics("/robot1", ["response", "/number:std_msgs/msg/Int32"])
 NAME = "edgevox-20261128-120000"
@@ -21,9 +22,9 @@ START_NS = 1_000_000_000
 CHUNK = 0x06
 
 
-def said(number):
+def said(number, at_ns=START_NS):
     data = serialize_message(String(data=f"{number}"))
-    return RecordedMessage(TEXT, data, START_NS + number, START_NS + number)
+    return RecordedMessage(TEXT, data, at_ns + number, at_ns + number)
 
 
 def counted(number):
@@ -143,10 +144,11 @@ def test_a_chunk_whose_bytes_were_changed_ends_the_file(tmp_path):
     assert first < second
 
 
-def test_what_was_written_as_the_end_of_a_mended_file_is_what_its_writer_writes(tmp_path):
+@pytest.mark.parametrize("clock_ns", [[START_NS] * 3, [2 * START_NS, 0, START_NS]])
+def test_what_was_written_as_the_end_of_a_mended_file_is_what_its_writer_writes(tmp_path, clock_ns):
     bag = Bag(tmp_path / NAME, 1 << 30)
-    for number in range(3):
-        bag.write([said(number), counted(number)], {})
+    for number, at_ns in enumerate(clock_ns):
+        bag.write([said(number + 1, at_ns), counted(number), said(number, at_ns)], {})
     bag.end_file({"dropped /robot1/state": "7"})
     bag.close()
     whole = bag.folder / f"{NAME}_0.mcap"
@@ -269,3 +271,16 @@ def test_all_bytes_of_recordings_count_and_no_others(tmp_path):
     (tmp_path / "mine.txt").write_bytes(b"123")
     killed(tmp_path / "other")
     assert used_bytes(tmp_path) == path.stat().st_size + 5
+
+
+def test_a_recording_never_gets_the_name_of_another_though_the_clock_is_set_back(tmp_path):
+    now = datetime(2026, 11, 28, 14, 0, tzinfo=timezone(timedelta(hours=2)))
+    made = [new_folder(tmp_path, now)]
+    for _ in range(10):
+        made[-1].mkdir()
+        made.append(new_folder(tmp_path, now))
+    made[-1].mkdir()
+    assert [one.name for one in made[:3]] == [NAME, f"{NAME}-002", f"{NAME}-003"]
+    assert folders(tmp_path) == made
+    assert {begun(one) for one in made} == {now.timestamp()}
+    assert begun(tmp_path / "edgevox-mine") is None
