@@ -3,9 +3,9 @@
 A peer publishes numbered messages, 100 a second with a pause now and then, to `edgevox-recorder`,
 in files of 1 MB. The loop of compose/recordings.yml uploads them with rclone to an S3 server, moto.
 Every ten seconds one of them fails: the recorder is killed, the uploader is killed, the server does
-not answer for four seconds. At the end the store is read with rosbags, which wrote none
-of it, and each of its files is compared with the recorder's. A message may be missing only around a
-kill of the recorder. Needs rclone, and moto's server.
+not answer for four seconds. At the end the store is read with rosbags, which wrote none of it, and
+with mcap's reader, which checks all sums; each of its files is compared with the recorder's. A
+message may be missing only around a kill of the recorder. Needs rclone, and moto's server.
 """
 
 import hashlib
@@ -25,6 +25,7 @@ from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
 import yaml
+from mcap.reader import make_reader
 from peer import Peer
 from ports import free_port
 from rosbags.highlevel import AnyReader
@@ -34,7 +35,7 @@ from benchmarks import ROOT
 from benchmarks.core.figures import Figure, Measured, NotHere
 from benchmarks.core.talker import isolate
 from edgevox.ros2.recorder.disk import FLUSH_S
-from edgevox.ros2.recordings import METADATA, folders, opened
+from edgevox.ros2.recordings import METADATA, finished, folders, opened
 
 TOPIC = "numbered"
 RATE_HZ = 100.0
@@ -95,6 +96,7 @@ def _run(folder: Path, seconds: float, stack: ExitStack) -> Iterator[Figure]:
     _rclone(config, "copy", BUCKET, str(stored))
     assert not any(opened(one) for one in folders(output))
     ours, theirs = _digests(output), _digests(stored)
+    _check(stored)
     numbers = _numbers(stored)
     missing = sorted(set(published) - set(numbers))
     gaps = _gaps(missing, published)
@@ -253,6 +255,18 @@ def _numbers(stored: Path) -> list[int]:
                 message = bag.deserialize(raw, connection.msgtype)
                 found.append(int(message.data.partition(" ")[0]))
     return found
+
+
+def _check(stored: Path) -> None:
+    """Read each file with its sums, by its index; `metadata.yaml` tells what is in them."""
+    for folder in folders(stored):
+        about = yaml.safe_load((folder / METADATA).read_text(encoding="utf-8"))
+        about = about["rosbag2_bagfile_information"]
+        assert about["relative_file_paths"] == [one.name for one in finished(folder)]
+        for told in about["files"]:
+            with (folder / told["path"]).open("rb") as stream:
+                messages = make_reader(stream, validate_crcs=True).iter_messages()
+                assert sum(1 for _ in messages) == told["message_count"], told["path"]
 
 
 def _gaps(missing: list[int], published: dict[int, float]) -> list[tuple[float, float]]:
