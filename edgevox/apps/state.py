@@ -12,6 +12,7 @@ import os
 import sys
 import tarfile
 import time
+from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path, PurePosixPath
 from typing import BinaryIO
@@ -39,7 +40,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         settings = load_settings({}, asked.config)
         folders = {name: folder_of(settings) for name, folder_of in FOLDERS.items()}
         if asked.command == "export":
-            _export(written(folders, recordings_folder(settings)), asked.file)
+            _export(folders, recordings_folder(settings), asked.file)
         else:
             _import(folders, asked.file, replace=asked.replace)
     except (EdgeVoxError, OSError, tarfile.TarError) as error:
@@ -129,9 +130,18 @@ def _files(folders: Mapping[str, Path], without: Path) -> Iterator[tuple[str, Pa
                     yield f"{part}/{file.relative_to(top)}", file
 
 
-def _export(archive: bytes, file: str) -> None:
+def _export(folders: Mapping[str, Path], without: Path, file: str) -> None:
+    archive = written(folders, without)
+    names = (name for name, _ in _files(folders, without))
     if write_archive(archive, file):
         show(f"{file}: it contains keys, so keep it as you keep a password")
+    show(f"edgevox state: {_told(names, folders)}", error=True)
+
+
+def _told(names: Iterable[str], folders: Mapping[str, Path]) -> str:
+    """How many files each folder has: it shows where one is not the one that is kept."""
+    count = Counter(name.partition("/")[0] for name in names)
+    return "files: " + ", ".join(f"{count[part]} in {one}" for part, one in folders.items())
 
 
 def _import(folders: Mapping[str, Path], file: str, *, replace: bool) -> None:
@@ -147,7 +157,8 @@ def _import(folders: Mapping[str, Path], file: str, *, replace: bool) -> None:
     for target, text in targets.items():
         target.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
         write_atomically(target, text)
-    show(f"{len(targets)} files; start the robot now, since one that runs does not read them again")
+    told = _told(files, folders)
+    show(f"{told}; start the robot now, since one that runs does not read them again")
 
 
 def _parser() -> argparse.ArgumentParser:

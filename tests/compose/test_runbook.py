@@ -14,7 +14,7 @@ def test_why_a_robot_does_not_start_is_in_its_state_and_its_last_line():
     with stack(start=False, ROS_DOMAIN_ID="300", **QUIET) as one:
         one.call("up", "--detach", "--no-build", timeout=HUNG_S)
         wait_until(lambda: "Restarting (64)" in one.call("ps", "--all").stdout, "its state")
-        lines = one.call("logs", "--no-log-prefix", "--tail", "3", "edgevox-ros2").stdout
+        lines = one.call("logs", "--no-log-prefix", "--tail", "9", "edgevox-ros2").stdout
         assert "ROS_DOMAIN_ID: got '300', expected a whole number" in lines.splitlines()[-1]
 
 

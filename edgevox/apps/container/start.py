@@ -17,6 +17,7 @@ USAGE = 64
 """EX_USAGE of sysexits.h: nothing was started."""
 NOT_EXECUTABLE, NOT_FOUND = 126, 127
 """The exit codes of shells."""
+DOCTOR = ("edgevox", "doctor")
 
 
 @with_streams("edgevox")
@@ -26,8 +27,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         with suppress(OSError):
             FROZEN_NOTE.unlink()  # of the agent before this one
-        environment = with_addresses(prepared(os.environ, _say), _say)
-        environment = with_server_addresses(environment, _say)
+        environment = _environment(given)
         command = command_of(given, environment)
         environment = secured(environment, command[0], _say)
     except InvalidValue as error:
@@ -43,6 +43,18 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except OSError as error:
         _say(f"{command[0]}: {error.strerror}")
         return NOT_EXECUTABLE
+
+
+def _environment(command: Sequence[str]) -> dict[str, str]:
+    """What to start the command in. The doctor starts in a wrong one too: it is there to help."""
+    try:
+        environment = with_addresses(prepared(os.environ, _say), _say)
+        return with_server_addresses(environment, _say)
+    except InvalidValue as error:
+        if tuple(command[:2]) != DOCTOR:
+            raise
+        _say(str(error))
+        return dict(os.environ)
 
 
 def command_of(arguments: Sequence[str], environment: Mapping[str, str]) -> list[str]:

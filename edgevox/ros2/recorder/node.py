@@ -94,7 +94,7 @@ class Recorder:
         findings = [Finding(Level.ERROR, self.fault)] if self.fault else []
         dropped = sum(self.dropped.values())
         if self._losing.grew(dropped):
-            text = f"the disk is too slow: {dropped} messages lost by now"
+            text = f"{dropped} messages lost by now: the log has the reason (messages_not_recorded)"
             findings.append(Finding(Level.WARN, text))
         if upload_failed:
             findings.append(Finding(Level.WARN, "the upload fails: see the uploader's log"))

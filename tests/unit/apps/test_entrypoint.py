@@ -78,6 +78,20 @@ def test_nonsense_stops_it_with_one_line_and_exit_code_64(name, value, monkeypat
     assert not said.out
 
 
+def test_the_doctor_starts_in_spite_of_nonsense_but_never_without_the_security_asked_for(
+    monkeypatch, capsys
+):
+    ran = []
+    monkeypatch.setattr(os, "execvpe", lambda *command: ran.append(command[1]) or exit(0))
+    monkeypatch.setenv("EDGEVOX_AGENT", "robot-paletta")
+    with pytest.raises(SystemExit):
+        main(["edgevox", "doctor", "--bundle", "-"])
+    assert ran == [["edgevox", "doctor", "--bundle", "-"]]
+    assert "EDGEVOX_AGENT: got 'robot-paletta'" in capsys.readouterr().err
+    monkeypatch.setenv("EDGEVOX_SECURITY_KEYSTORE", "/nowhere")
+    assert main(["edgevox", "doctor"]) == 64
+
+
 @given(st.sampled_from(sorted(ENVIRONMENT)), st.text(st.characters(exclude_characters="\0")))
 def test_any_text_in_any_variable_is_taken_or_refused_by_its_name(name, text):
     refused = None

@@ -57,6 +57,19 @@ def test_a_new_computer_has_what_the_old_one_kept_but_for_recordings(robot, tmp_
         assert stat.S_IMODE(file.stat().st_mode) == 0o600
 
 
+def test_both_name_the_folders_since_a_wrong_one_is_lost_with_its_container(
+    robot, tmp_path, capsys
+) -> None:
+    taught(robot("old"))
+    archive = tmp_path / "robot.tar"
+    assert main(["state", "export", str(archive)]) == 0
+    said = "files: 1 in {0}, 2 in {0}/console"
+    assert said.format(tmp_path / "old/edgevox") in capsys.readouterr().err
+    robot("new")
+    assert main(["state", "import", str(archive)]) == 0
+    assert said.format(tmp_path / "new/edgevox") in capsys.readouterr().out
+
+
 def test_nothing_is_overwritten_unless_that_is_asked_for(robot, tmp_path, capsys) -> None:
     taught(robot("old"))
     archive = tmp_path / "robot.tar"
