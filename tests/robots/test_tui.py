@@ -62,10 +62,10 @@ class Screen:
 
 
 @asynccontextmanager
-async def screen(size=(80, 24), stopped_by="", settings=None, **queries):
+async def screen(size=(80, 24), stopped_by="", settings=None, robot="robot-apartment", **queries):
     settings = load_settings({"text_mode": True, "llm": "none", **(settings or {})})
     with ExitStack() as stack:
-        parts = build_parts(stack, settings, build_body("robot-apartment", settings, 1.0))
+        parts = build_parts(stack, settings, build_body(robot, settings, 1.0))
         start_parts(stack, parts)
         if stopped_by:
             parts.software_stop.stop(stopped_by)
@@ -225,11 +225,48 @@ def test_help_is_a_screen_of_its_own_that_names_commands_and_keys():
         for key in ("f1", "/help"):
             await (shown.pilot.press(key) if key == "f1" else shown.type(key))
             await shown.until(shown.sheet)
-            for told in ("/resume", "Ctrl-C", "Ctrl-Q", "F2", "F3", "F4", "Up, Down", "Tab"):
+            for told in ("/resume", "Ctrl-C", "Ctrl-P", "F2", "F3", "F5", "Up, Down", "Tab"):
                 assert told in shown.sheet()
-            await shown.pilot.press("escape")
+            await shown.pilot.press("f1" if key == "f1" else "escape")
             await shown.until(lambda: not shown.sheet())
         assert shown.transcript() == before
+
+    drive(play)
+
+
+def test_help_that_is_too_long_for_the_screen_scrolls():
+    async def play(shown):
+        await shown.pilot.press("f1")
+        await shown.until(shown.sheet)
+        text = shown.face.screen.query_one("#sheet").parent
+        await shown.pilot.press("pagedown", "pagedown", "pagedown", "pagedown", "pagedown")
+        await shown.until(lambda: text.scroll_y == text.max_scroll_y > 0)
+
+    drive(play, size=(40, 15))
+
+
+def test_the_palette_finds_commands_and_keys_and_stop_works_in_it():
+    async def play(shown):
+        async def choose(words):
+            await shown.pilot.press("ctrl+p")
+            await shown.until(lambda: shown.face.screen.query("CommandInput"))
+            await shown.pilot.press(*words)
+            await shown.until(lambda: found() and words in found()[0])
+            await shown.pilot.press("enter")
+
+        def found():
+            options = shown.face.screen.query_one("CommandList").options
+            return [str(one.prompt) for one in options if not one.disabled]
+
+        await choose("state")
+        await shown.until(lambda: any('"battery' in x for x in shown.transcript()))
+        await choose("Mute")
+        await shown.until(lambda: shown.parts.controls.muted)
+        await shown.type("go to the kitchen")
+        await shown.until(lambda: "navigate_to room=kitchen" in shown.panel("status"))
+        await shown.pilot.press("ctrl+p", "ctrl+c")
+        await shown.until(lambda: "navigate_to" not in shown.panel("status"))
+        assert shown.face.screen.query("CommandInput")
 
     drive(play)
 
@@ -247,6 +284,26 @@ def test_up_and_down_bring_back_what_was_typed_and_keep_what_is_begun():
         assert seen == ["/state", "where are you?", "where are you?", "/state", "go to"]
 
     drive(play)
+
+
+def test_an_endless_line_does_not_come_back():
+    async def play(shown):
+        await shown.type("/" + "x" * 3000)
+        await shown.type("/state")
+        await shown.pilot.press("up", "up")
+        assert shown.face.query_one(Input).value == "/state"
+
+    drive(play)
+
+
+def test_tab_completes_a_thing():
+    async def play(shown):
+        await shown.pilot.press(*"grasp the re")
+        while shown.face.query_one(Input).value != "grasp the red cube":
+            await shown.pilot.press("tab")
+            shown.face.query_one(Input).focus()
+
+    drive(play, robot="robot-panda")
 
 
 @pytest.mark.parametrize(
@@ -295,13 +352,44 @@ def test_lines_wrap_anew_with_their_width():
     drive(play)
 
 
-def test_the_log_is_as_wide_as_the_screen():
+def test_the_log_is_as_wide_as_the_screen_however_that_changes():
     async def play(shown):
         shown.updates.log("x" * 150)
         await shown.pilot.press("f3")
         await shown.until(lambda: "x" * 150 in shown.log())
+        await shown.pilot.resize_terminal(80, 24)
+        await shown.until(lambda: "x" * 150 not in shown.log())
+        await shown.pilot.resize_terminal(160, 50)
+        await shown.until(lambda: "x" * 150 in shown.log())
 
     drive(play, size=(160, 50))
+
+
+def test_a_traceback_of_the_log_is_folded_to_its_error_until_a_key_shows_it():
+    trace = [
+        "  Traceback (most recent call last):",
+        '    File "robot.py", line 3, in drive',
+        "      raise ValueError",
+        "  ValueError: no wheels",
+    ]
+
+    async def play(shown):
+        for line in ("before", *trace, "after"):
+            shown.updates.log(line)
+        await shown.pilot.press("f3")
+        await shown.until(lambda: "after" in shown.log())
+        folded = shown.log()
+        assert folded[0] == "before"
+        assert folded[1].startswith(trace[0].strip())
+        assert folded[2:] == ["ValueError: no wheels", "after"]
+        await shown.pilot.press("f5")
+        await shown.until(
+            lambda: shown.log() == ["before", *(one.strip() for one in trace), "after"]
+        )
+        await shown.pilot.press("f5")
+        await shown.until(lambda: shown.log() == folded)
+
+    drive(play)
 
 
 def test_the_panel_hides_on_a_narrow_screen_and_a_line_tells_the_robot():

@@ -15,14 +15,10 @@ from edgevox.core.languages import LANGUAGES
 
 def help_text(bindings: Sequence[BindingType]) -> str:
     """What can be typed, and all keys."""
-    keys = [
-        (_key_name(one.key), one.description)
-        for one in bindings
-        if isinstance(one, Binding) and one.description
-    ]
+    keys = [(key, about) for _, key, about in key_rows(bindings)]
     keys += [
         ("Up, Down", "Bring back an earlier line"),
-        ("Tab", "Complete a command, a place or an earlier line"),
+        ("Tab", "Complete a command, a name or an earlier line"),
     ]
     return "\n".join(
         (
@@ -37,6 +33,15 @@ def help_text(bindings: Sequence[BindingType]) -> str:
             "Escape closes this.",
         )
     )
+
+
+def key_rows(bindings: Sequence[BindingType]) -> list[tuple[str, str, str]]:
+    """The action of each key, the key as people write it, and what it does."""
+    return [
+        (one.action, _key_name(one.key), one.description)
+        for one in bindings
+        if isinstance(one, Binding)
+    ]
 
 
 def first_hint(parts: AgentParts) -> list[str]:
