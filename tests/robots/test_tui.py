@@ -20,6 +20,7 @@ from edgevox.apps.terminal.view import UpdateBuffer
 from edgevox.apps.terminal.widgets import has_light_background
 from edgevox.core.bus import Bus
 from edgevox.core.events import AudioLevel, TokenGenerated, TurnMeasured
+from edgevox.core.languages import CODES
 from edgevox.core.settings import load_settings
 
 
@@ -436,15 +437,22 @@ def test_the_first_lines_say_what_to_try_and_how_to_stop():
     drive(play)
 
 
-@pytest.mark.parametrize("language", ["de", "ja", "ar"])
-def test_the_example_is_in_the_robots_language_and_understood(language):
+@pytest.mark.parametrize("language", CODES)
+@pytest.mark.parametrize(
+    ("robot", "skill"),
+    [
+        ("robot-apartment", "navigate_to"),
+        ("robot-panda", "grasp"),
+        ("robot-humanoid", "walk_forward"),
+    ],
+)
+def test_the_example_is_in_the_robots_language_and_understood(robot, skill, language):
     settings = load_settings({"text_mode": True, "llm": "none", "language": language})
     with ExitStack() as stack:
-        parts = build_parts(stack, settings, build_body("robot-apartment", settings, 1.0))
+        parts = build_parts(stack, settings, build_body(robot, settings, 1.0))
         example = example_command(parts.conversation, parts.skills)
         meaning = parts.conversation.interpreter.plain(example)
-    assert [call.skill for call in meaning.calls] == ["navigate_to"]
-    assert not example.isascii() or language == "de"
+    assert [call.skill for call in meaning.calls] == [skill]
 
 
 def test_a_turns_understanding_and_outcome_stand_below_it():

@@ -74,7 +74,7 @@ def example_command(conversation: Conversation, skills: Sequence[Skill]) -> str:
     """
     interpreter = conversation.interpreter
     for one in skills:
-        told = interpreter.phrases.action(one, _arguments(one)) if one.drives else ""
+        told = interpreter.phrases.order(one, _arguments(one)) if one.drives else ""
         meaning = interpreter.plain(told) if told else None
         if isinstance(meaning, Meaning) and [call.skill for call in meaning.calls] == [one.name]:
             return told
