@@ -17,7 +17,7 @@ from edgevox.apps.terminal.hints import example_command, first_hint
 from edgevox.apps.terminal.screen import Face, stderr_as_lines
 from edgevox.apps.terminal.slash_commands import SlashContext
 from edgevox.apps.terminal.view import UpdateBuffer
-from edgevox.apps.terminal.widgets import has_light_background
+from edgevox.apps.terminal.widgets import SHEET_FRAME, has_light_background
 from edgevox.core.bus import Bus
 from edgevox.core.events import AudioLevel, TokenGenerated, TurnMeasured
 from edgevox.core.languages import CODES
@@ -240,6 +240,9 @@ def test_help_that_is_too_long_for_the_screen_scrolls():
         await shown.pilot.press("f1")
         await shown.until(shown.sheet)
         text = shown.face.screen.query_one("#sheet").parent
+        rows = [row for row in shown.sheet().splitlines() if row.startswith("  ")]
+        assert all(len(row) <= 40 - SHEET_FRAME for row in rows)
+        assert any(row.startswith(" " * 8) for row in rows)
         await shown.pilot.press("pagedown", "pagedown", "pagedown", "pagedown", "pagedown")
         await shown.until(lambda: text.scroll_y == text.max_scroll_y > 0)
 
@@ -494,11 +497,14 @@ def test_all_text_is_legible(size, keys):
         await shown.pilot.press(*keys, *"go to the ki")
         await shown.pilot.pause()
         assert any("listening" in text for text, _ in contrasts(shown.face))
-        assert not {
-            (text, round(ratio, 2))
-            for text, ratio in contrasts(shown.face)
-            if ratio < 4.5 and any(one.isalnum() for one in text)
-        }
+        for more in ((), ("f1",), ("f1", "ctrl+p")):
+            await shown.pilot.press(*more)
+            await shown.pilot.pause()
+            assert not {
+                (text, round(ratio, 2))
+                for text, ratio in contrasts(shown.face)
+                if ratio < 4.5 and any(one.isalnum() for one in text)
+            }
 
     drive(play, size=size)
 

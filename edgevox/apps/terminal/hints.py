@@ -1,5 +1,6 @@
 """What the full-screen terminal says about itself: the help, and what to try first."""
 
+import textwrap
 from collections.abc import Sequence
 from typing import Any
 
@@ -13,8 +14,8 @@ from edgevox.apps.terminal.slash_commands import command_rows
 from edgevox.core.languages import LANGUAGES
 
 
-def help_text(bindings: Sequence[BindingType]) -> str:
-    """What can be typed, and all keys."""
+def help_text(bindings: Sequence[BindingType], columns: int) -> str:
+    """What can be typed, and all keys, in so many columns."""
     keys = [(key, about) for _, key, about in key_rows(bindings)]
     keys += [
         ("Up, Down", "Bring back an earlier line"),
@@ -24,11 +25,11 @@ def help_text(bindings: Sequence[BindingType]) -> str:
         (
             "Type what the robot should do, or a command:",
             "",
-            _table(command_rows()),
+            _table(command_rows(), columns),
             "",
             "Keys:",
             "",
-            _table(keys),
+            _table(keys, columns),
             "",
             "Escape closes this.",
         )
@@ -56,10 +57,14 @@ def first_hint(parts: AgentParts) -> list[str]:
     return [*lines, "Ctrl-C stops the robot. F1 shows commands and keys.", ""]
 
 
-def _table(rows: Sequence[tuple[str, str]]) -> str:
+def _table(rows: Sequence[tuple[str, str]], columns: int) -> str:
     """Rows of a name and what it is, the names of one width."""
     width = max(len(name) for name, _ in rows)
-    return "\n".join(f"  {name:<{width}}  {about}" for name, about in rows)
+    hanging = " " * (width + 4)
+    return "\n".join(
+        textwrap.fill(f"  {name:<{width}}  {about}", columns, subsequent_indent=hanging)
+        for name, about in rows
+    )
 
 
 def _key_name(key: str) -> str:

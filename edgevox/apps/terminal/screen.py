@@ -45,6 +45,7 @@ from edgevox.apps.terminal.widgets import (
     LIGHT,
     LIGHT_THEME,
     MOST_UNREAD,
+    SHEET_FRAME,
     WIDE_WIDTH,
     WIDTH,
     CommandLine,
@@ -254,7 +255,7 @@ class Face(App[None]):
         if isinstance(self.screen, Sheet):
             self.screen.dismiss()
         else:
-            self.show_sheet(help_text(self.BINDINGS))
+            self.show_sheet(help_text(self.BINDINGS, self.size.width - SHEET_FRAME))
 
     def get_system_commands(self, _: Screen[Any]) -> Iterable[SystemCommand]:
         """What the palette finds: all slash commands, and what the keys do."""

@@ -200,6 +200,10 @@ class Keys(Footer):
         self.refresh(recompose=True)
 
 
+SHEET_FRAME = 8
+"""Columns that a sheet's border, padding and scroll bar take."""
+
+
 class Sheet(ModalScreen[None]):
     """A text over the conversation, until a key closes it. Stop works meanwhile."""
 
