@@ -9,6 +9,7 @@ import phrases
 import pytest
 from guards import HUNG_S
 from ports import free_port
+from textual.filter import ANSIToTruecolor, DimFilter
 from textual.widgets import Footer, Input, RichLog, Static
 
 from edgevox.apps.agent.build import build_parts, start_parts
@@ -497,6 +498,10 @@ def test_all_text_is_legible(size, keys):
         await shown.pilot.press(*keys, *"go to the ki")
         await shown.pilot.pause()
         assert any("listening" in text for text, _ in contrasts(shown.face))
+        for number in range(8):
+            shown.updates.log(f"\x1b[2mtime\x1b[0m \x1b[3{number}m\x1b[1mcolour {number}\x1b[0m")
+        await shown.pilot.press("f3")
+        await shown.until(lambda: any("colour 7" in text for text, _ in contrasts(shown.face)))
         for more in ((), ("f1",), ("f1", "ctrl+p")):
             await shown.pilot.press(*more)
             await shown.pilot.pause()
@@ -515,7 +520,9 @@ def contrasts(face):
         if not widget.display or not widget.region:
             continue
         for y in range(widget.size.height):
-            for segment in widget.render_line(y):
+            on = widget.background_colors[1]
+            coloured = ANSIToTruecolor(face.ansi_theme).apply(list(widget.render_line(y)), on)
+            for segment in DimFilter().apply(coloured, on):
                 style = segment.style
                 if segment.text.strip() and style and style.color and style.bgcolor:
                     colours = (style.color.triplet, style.bgcolor.triplet)

@@ -44,6 +44,8 @@ from edgevox.apps.terminal.widgets import (
     DARK,
     LIGHT,
     LIGHT_THEME,
+    LOG_ON_DARK,
+    LOG_ON_LIGHT,
     MOST_UNREAD,
     SHEET_FRAME,
     WIDE_WIDTH,
@@ -69,6 +71,8 @@ PANEL_FROM = 70
 """Columns from which the panel is shown, unless F2 says otherwise."""
 LOOK_S = 0.5
 """Seconds between looks at the robot."""
+DIM = "\x1b[2m"
+"""What makes the time of a log line too pale to read on some screens."""
 FIRST_KEYS = ("interrupt", "help", "quit")
 """Actions whose keys a narrow screen shows."""
 
@@ -148,6 +152,7 @@ class Face(App[None]):
         self.HORIZONTAL_BREAKPOINTS = [(0, "-narrow"), (120, "-wide")]
         self.VERTICAL_BREAKPOINTS = [(0, "-low"), (18, "-short"), (30, "-middle"), (44, "-tall")]
         self.register_theme(LIGHT_THEME)
+        self.ansi_theme_dark, self.ansi_theme_light = LOG_ON_DARK, LOG_ON_LIGHT
         self.theme = LIGHT if has_light_background(os.environ.get("COLORFGBG", "")) else DARK
         self._typed = typed
         self._updates, self._slash_context, self._queries = updates, context, queries
@@ -327,7 +332,7 @@ class Face(App[None]):
         log = self._base.query_one("#log", Lines)
         self._unread.extend(lines)
         while log.display and self._unread:
-            log.add(Text.from_ansi(self._unread.popleft()))
+            log.add(Text.from_ansi(self._unread.popleft().replace(DIM, "")))
         self._static("unread", unread(len(self._unread)))
 
     def _show_stop(self) -> None:

@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any, ClassVar
 
 from rich.padding import Padding
+from rich.terminal_theme import TerminalTheme
 from rich.text import Text
 from textual import on
 from textual.app import ComposeResult
@@ -372,6 +373,36 @@ LIGHT_THEME = replace(
         "text-muted": "#555555",
         "footer-key-foreground": "#00508c",
     },
+)
+
+LOG_ON_DARK = TerminalTheme(
+    (30, 30, 30),
+    (224, 224, 224),
+    [
+        (160, 160, 160),
+        (255, 120, 130),
+        (140, 210, 90),
+        (240, 180, 80),
+        (140, 175, 255),
+        (220, 150, 255),
+        (100, 210, 230),
+        (210, 210, 210),
+    ],
+)
+"""The eight colours of a terminal, in which the log comes."""
+LOG_ON_LIGHT = TerminalTheme(
+    (255, 255, 255),
+    (30, 30, 30),
+    [
+        (0, 0, 0),
+        (163, 18, 18),
+        (11, 102, 48),
+        (122, 74, 0),
+        (0, 80, 140),
+        (106, 42, 140),
+        (0, 95, 105),
+        (85, 85, 85),
+    ],
 )
 
 
