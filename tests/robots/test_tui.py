@@ -145,6 +145,8 @@ def test_level_latencies_models_and_machine_stand_in_the_side_panel():
         shown.parts.bus.publish(TurnMeasured(0.41, 0.72, 0.13, 1.25, 3.5))
         await shown.until(lambda: "▮" in shown.panel("level"))
         await shown.until(lambda: "0.41 0.72 0.13 1.25   3.5" in shown.panel("turns"))
+        shown.parts.bus.publish(TurnMeasured(2.47, 48.29, 1.87, 71.31, 73.4))
+        await shown.until(lambda: "2.47 48.3 1.87 71.3  73.4" in shown.panel("turns"))
         await shown.until(lambda: "llm none" in shown.panel("machine"))
         assert "ram" in shown.panel("machine")
         assert "language en" in shown.panel("voice")

@@ -273,9 +273,10 @@ def latencies(turns: Sequence[TurnMeasured]) -> Content:
     if not turns:
         return Content.styled("no turns yet", "$text-muted")
     lines = ["  stt  llm  tts ttfs total"]
-    lines += [
-        f"{t.stt:5.2f}{t.llm:5.2f}{t.tts:5.2f}{t.ttfs:5.2f}{t.total:6.1f}" for t in reversed(turns)
-    ]
+    for turn in reversed(turns):
+        stages = (turn.stt, turn.llm, turn.tts, turn.ttfs)
+        told = (f"{one:5.{2 if one < 9.995 else 1}f}" for one in stages)
+        lines.append(f"{''.join(told)}{turn.total:6.1f}")
     return Content("\n".join(lines))
 
 
