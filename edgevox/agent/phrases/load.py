@@ -151,6 +151,7 @@ def _skill_phrases(data: Mapping[str, Any]) -> SkillPhrases:
     return SkillPhrases(
         can=data.get("can", ""),
         actions=_several(data.get("action", ())),
+        orders=_several(data.get("order", ())),
         templates=(*data.get("templates", ()), *data.get("more", ())),
         asks=tuple(data.get("asks", ())),
         says=_several(data.get("says", ())),

@@ -502,6 +502,11 @@ class Phrasebook:
         """True if a skill brings its own sentences in this language."""
         return not self.fallback and bool(one.says or one.done or one.action)
 
+    def order(self, one: Skill, arguments: Mapping[str, Any]) -> str:
+        """A call as a person orders it. May be empty."""
+        said = self._first(one, self._phrases(one).orders, arguments)
+        return said or self.action(one, arguments)
+
     def _first(self, one: Skill, templates: Sequence[str], values: Mapping[str, Any]) -> str:
         """The first of these sentences whose values are all known; empty if there is none."""
         told = {

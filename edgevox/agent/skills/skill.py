@@ -172,6 +172,8 @@ class SkillPhrases:
     """The ability as a part of a sentence."""
     actions: tuple[str, ...] = ()
     """The action as the end of a question, with the arguments; the first that fits counts."""
+    orders: tuple[str, ...] = ()
+    """The action as a person orders it, where that differs; the first that fits counts."""
     templates: tuple[str, ...] = ()
     """Templates of the sentences that call the skill."""
     asks: tuple[str, ...] = ()

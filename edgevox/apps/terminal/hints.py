@@ -1,5 +1,6 @@
 """What the full-screen terminal says about itself: the help, and what to try first."""
 
+import textwrap
 from collections.abc import Sequence
 from typing import Any
 
@@ -13,30 +14,35 @@ from edgevox.apps.terminal.slash_commands import command_rows
 from edgevox.core.languages import LANGUAGES
 
 
-def help_text(bindings: Sequence[BindingType]) -> str:
-    """What can be typed, and all keys."""
-    keys = [
-        (_key_name(one.key), one.description)
-        for one in bindings
-        if isinstance(one, Binding) and one.description
-    ]
+def help_text(bindings: Sequence[BindingType], columns: int) -> str:
+    """What can be typed, and all keys, in so many columns."""
+    keys = [(key, about) for _, key, about in key_rows(bindings)]
     keys += [
         ("Up, Down", "Bring back an earlier line"),
-        ("Tab", "Complete a command, a place or an earlier line"),
+        ("Tab", "Complete a command, a name or an earlier line"),
     ]
     return "\n".join(
         (
             "Type what the robot should do, or a command:",
             "",
-            _table(command_rows()),
+            _table(command_rows(), columns),
             "",
             "Keys:",
             "",
-            _table(keys),
+            _table(keys, columns),
             "",
             "Escape closes this.",
         )
     )
+
+
+def key_rows(bindings: Sequence[BindingType]) -> list[tuple[str, str, str]]:
+    """The action of each key, the key as people write it, and what it does."""
+    return [
+        (one.action, _key_name(one.key), one.description)
+        for one in bindings
+        if isinstance(one, Binding)
+    ]
 
 
 def first_hint(parts: AgentParts) -> list[str]:
@@ -51,10 +57,14 @@ def first_hint(parts: AgentParts) -> list[str]:
     return [*lines, "Ctrl-C stops the robot. F1 shows commands and keys.", ""]
 
 
-def _table(rows: Sequence[tuple[str, str]]) -> str:
+def _table(rows: Sequence[tuple[str, str]], columns: int) -> str:
     """Rows of a name and what it is, the names of one width."""
     width = max(len(name) for name, _ in rows)
-    return "\n".join(f"  {name:<{width}}  {about}" for name, about in rows)
+    hanging = " " * (width + 4)
+    return "\n".join(
+        textwrap.fill(f"  {name:<{width}}  {about}", columns, subsequent_indent=hanging)
+        for name, about in rows
+    )
 
 
 def _key_name(key: str) -> str:
@@ -69,7 +79,7 @@ def example_command(conversation: Conversation, skills: Sequence[Skill]) -> str:
     """
     interpreter = conversation.interpreter
     for one in skills:
-        told = interpreter.phrases.action(one, _arguments(one)) if one.drives else ""
+        told = interpreter.phrases.order(one, _arguments(one)) if one.drives else ""
         meaning = interpreter.plain(told) if told else None
         if isinstance(meaning, Meaning) and [call.skill for call in meaning.calls] == [one.name]:
             return told

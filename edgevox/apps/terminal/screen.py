@@ -9,29 +9,32 @@ import os
 import sys
 import threading
 from collections import deque
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from functools import partial
 from typing import Any, ClassVar
 
 from rich.text import Text
 from textual import on
-from textual.app import App, ComposeResult
+from textual.app import App, ComposeResult, SystemCommand
 from textual.binding import Binding, BindingType
 from textual.containers import Horizontal, Vertical, VerticalScroll
 from textual.content import Content
 from textual.events import Resize
 from textual.message import Message
+from textual.screen import Screen
 from textual.widgets import Input, Static
 from textual.worker import Worker
 
 from edgevox.agent.phrases.load import phrasebook
 from edgevox.apps.agent.parts import AgentParts
 from edgevox.apps.run_program import ShutdownSignals
-from edgevox.apps.terminal.hints import first_hint, help_text
+from edgevox.apps.terminal.hints import first_hint, help_text, key_rows
 from edgevox.apps.terminal.slash_commands import (
     COMMANDS,
     Leave,
     SlashContext,
+    command_rows,
     is_sheet,
     is_stop,
     run_command,
@@ -41,7 +44,10 @@ from edgevox.apps.terminal.widgets import (
     DARK,
     LIGHT,
     LIGHT_THEME,
+    LOG_ON_DARK,
+    LOG_ON_LIGHT,
     MOST_UNREAD,
+    SHEET_FRAME,
     WIDE_WIDTH,
     WIDTH,
     CommandLine,
@@ -60,12 +66,13 @@ from edgevox.apps.terminal.widgets import (
 from edgevox.core.commands import Command, Interrupt, SetMuted, TextInput, Way
 from edgevox.core.errors import EdgeVoxError
 from edgevox.core.events import Cause
-from edgevox.robots.capabilities import HasPlaces
 
 PANEL_FROM = 70
 """Columns from which the panel is shown, unless F2 says otherwise."""
 LOOK_S = 0.5
 """Seconds between looks at the robot."""
+DIM = "\x1b[2m"
+"""What makes the time of a log line too pale to read on some screens."""
 FIRST_KEYS = ("interrupt", "help", "quit")
 """Actions whose keys a narrow screen shows."""
 
@@ -88,7 +95,6 @@ class Face(App[None]):
     """Shows an `UpdateBuffer`, and takes lines and keys."""
 
     TITLE = "EdgeVox"
-    ENABLE_COMMAND_PALETTE = False
     CSS = f"""
     #stop {{
         display: none; height: auto; padding: 0 1; text-style: bold;
@@ -126,8 +132,10 @@ class Face(App[None]):
         Binding("f3", "log", "Log", priority=True),
         Binding("f4", "light", "Light/dark", priority=True),
         Binding("ctrl+q", "quit", "Exit", priority=True),
-        Binding("pageup", "page(-1)", "Scroll the conversation up", show=False, priority=True),
-        Binding("pagedown", "page(1)", "Scroll the conversation down", show=False, priority=True),
+        Binding("ctrl+p", "command_palette", "Find a command", show=False, priority=True),
+        Binding("f5", "fold", "Show or fold tracebacks of the log", show=False, priority=True),
+        Binding("pageup", "page(-1)", "Scroll the conversation up", show=False),
+        Binding("pagedown", "page(1)", "Scroll the conversation down", show=False),
     ]
 
     def __init__(
@@ -144,6 +152,7 @@ class Face(App[None]):
         self.HORIZONTAL_BREAKPOINTS = [(0, "-narrow"), (120, "-wide")]
         self.VERTICAL_BREAKPOINTS = [(0, "-low"), (18, "-short"), (30, "-middle"), (44, "-tall")]
         self.register_theme(LIGHT_THEME)
+        self.ansi_theme_dark, self.ansi_theme_light = LOG_ON_DARK, LOG_ON_LIGHT
         self.theme = LIGHT if has_light_background(os.environ.get("COLORFGBG", "")) else DARK
         self._typed = typed
         self._updates, self._slash_context, self._queries = updates, context, queries
@@ -174,7 +183,7 @@ class Face(App[None]):
                 yield Static(latencies(()), id="turns")
                 yield Static(id="unread")
                 yield Static(id="machine")
-        yield Lines("log")
+        yield Lines("log", folded=True)
         yield CommandLine(tuple(COMMANDS), self._names)
         yield Keys(FIRST_KEYS, PANEL_FROM)
 
@@ -247,8 +256,18 @@ class Face(App[None]):
         self._submit(SetMuted(not (self._news and self._news.muted)))
 
     def action_help(self) -> None:
-        """Show what can be typed, and the keys."""
-        self.show_sheet(help_text(self.BINDINGS))
+        """Show what can be typed, and the keys; or close what is shown."""
+        if isinstance(self.screen, Sheet):
+            self.screen.dismiss()
+        else:
+            self.show_sheet(help_text(self.BINDINGS, self.size.width - SHEET_FRAME))
+
+    def get_system_commands(self, _: Screen[Any]) -> Iterable[SystemCommand]:
+        """What the palette finds: all slash commands, and what the keys do."""
+        for typed, about in command_rows():
+            yield SystemCommand(typed, about, partial(self._take, typed.partition(" ")[0]))
+        for action, key, about in key_rows(self.BINDINGS):
+            yield SystemCommand(about, key, partial(self.run_action, action))
 
     def show_sheet(self, content: Content | str) -> None:
         """Show a text over the conversation."""
@@ -273,6 +292,10 @@ class Face(App[None]):
         log = self._base.query_one("#log")
         log.display = not log.display
         self._show_log(())
+
+    def action_fold(self) -> None:
+        """Fold the tracebacks of the log, or show them whole."""
+        self._base.query_one("#log", Lines).fold()
 
     @property
     def _base(self) -> Any:
@@ -309,7 +332,7 @@ class Face(App[None]):
         log = self._base.query_one("#log", Lines)
         self._unread.extend(lines)
         while log.display and self._unread:
-            log.add(Text.from_ansi(self._unread.popleft()))
+            log.add(Text.from_ansi(self._unread.popleft().replace(DIM, "")))
         self._static("unread", unread(len(self._unread)))
 
     def _show_stop(self) -> None:
@@ -369,12 +392,10 @@ class Face(App[None]):
             self._static("bar", state + Content(f"  {self._robot.line}"))
 
     def _names(self) -> Sequence[str]:
-        """The places of the robot, as its language calls them."""
-        body = self._slash_context.body
-        if not isinstance(body, HasPlaces):
-            return ()
+        """The places and things that the robot knows, as its language calls them."""
         phrases = phrasebook(self._news.language if self._news else "en")
-        return [str(phrases.word(one)) or one.replace("_", " ") for one in body.places]
+        choices = (one for skill in self._slash_context.skills for one in skill.choices.values())
+        return [str(phrases.word(word)) for one in choices for word in one.words]
 
     @property
     def _stands(self) -> bool:

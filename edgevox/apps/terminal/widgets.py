@@ -12,8 +12,8 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, ClassVar
 
-from rich.console import RenderableType
 from rich.padding import Padding
+from rich.terminal_theme import TerminalTheme
 from rich.text import Text
 from textual import on
 from textual.app import ComposeResult
@@ -27,7 +27,7 @@ from textual.theme import BUILTIN_THEMES
 from textual.widgets import Footer, Input, RichLog, Static
 
 from edgevox.core.events import State, TurnMeasured
-from edgevox.core.files.text import one_line, printable
+from edgevox.core.files.text import MAX_CHARACTERS, one_line, printable
 from edgevox.robots.battery import charge_of
 from edgevox.robots.capabilities import Body, HasMap, HasPlaces, HasPose
 
@@ -35,15 +35,21 @@ MOST_LINES = 2000
 """Lines of the conversation, or of the log, that are kept."""
 MOST_TYPED = 200
 """Typed lines that the arrow keys bring back."""
+TRACEBACK = "Traceback (most recent call last):"
 SHORTEST = 2
 """Letters of a name after which it is completed."""
 
 
 class Lines(RichLog):
-    """Lines that wrap anew when their width changes; the end stays in sight."""
+    """Lines that wrap anew when their width changes; the end stays in sight.
 
-    def __init__(self, name: str) -> None:
+    A `folded` traceback is its first line and its last, which names the error.
+    """
+
+    def __init__(self, name: str, *, folded: bool = False) -> None:
         super().__init__(id=name, wrap=True, markup=False, max_lines=5000, min_width=1)
+        self._folded = folded
+        self._hides_from = math.inf  # columns of indentation
         self._kept: deque[Text] = deque(maxlen=MOST_LINES)
         self._width = 0
 
@@ -55,23 +61,35 @@ class Lines(RichLog):
         """Show one more line."""
         self._kept.append(line)
         if self._width:
-            self.write(_hanging(line), width=self._width)
+            self._draw(line)
+
+    def fold(self) -> None:
+        """Fold tracebacks, or show them whole."""
+        self._folded = not self._folded
+        self._draw_all()
 
     @on(Resize)
     def _wrap(self) -> None:
         """Wrap all lines anew."""
         width, self._width = self._width, self.scrollable_content_region.width
-        if width == self._width:
-            return
+        if width != self._width:
+            self._draw_all()
+
+    def _draw_all(self) -> None:
         self.clear()
+        self._hides_from = math.inf
         for line in self._kept:
-            self.write(_hanging(line), width=self._width)
+            self._draw(line)
 
-
-def _hanging(line: Text) -> RenderableType:
-    """A line whose further rows are indented as the first is."""
-    indent = len(line.plain) - len(line.plain.lstrip(" "))
-    return Padding(line[indent:], (0, 0, 0, indent)) if indent else line
+    def _draw(self, line: Text) -> None:
+        """Draw a line; its further rows are indented as the first is."""
+        indent = len(line.plain) - len(line.plain.lstrip(" "))
+        if indent >= self._hides_from:
+            return
+        folds = self._folded and line.plain[indent:] == TRACEBACK
+        self._hides_from = indent + 1 if folds else math.inf
+        shown = Text.assemble(line[indent:], " F5 unfolds it") if folds else line[indent:]
+        self.write(Padding(shown, (0, 0, 0, indent)), width=self._width)
 
 
 class LineSuggester(Suggester):
@@ -128,11 +146,14 @@ class CommandLine(Input):
         self._draft = ""
 
     def take(self) -> str:
-        """The line that was typed; empties it and keeps it for the arrow keys."""
+        """The line that was typed; empties it and keeps it for the arrow keys if it is not endless.
+
+        The robot does not take a longer one either.
+        """
         line = self.value.strip()
         self.clear()
         self._back, self._draft = -1, ""
-        if line and (not self._typed or self._typed[0] != line):
+        if 0 < len(line) <= MAX_CHARACTERS and [line] != list(self._typed)[:1]:
             self._typed.appendleft(line)
         return line
 
@@ -180,6 +201,10 @@ class Keys(Footer):
         self.refresh(recompose=True)
 
 
+SHEET_FRAME = 8
+"""Columns that a sheet's border, padding and scroll bar take."""
+
+
 class Sheet(ModalScreen[None]):
     """A text over the conversation, until a key closes it. Stop works meanwhile."""
 
@@ -193,9 +218,7 @@ class Sheet(ModalScreen[None]):
     Sheet.-narrow > VerticalScroll, Sheet.-short > VerticalScroll { padding: 0; }
     """
     BINDINGS: ClassVar[list[BindingType]] = [
-        Binding("ctrl+c", "app.interrupt", "Stop", priority=True),
-        Binding("ctrl+q", "app.quit", "Exit", priority=True),
-        Binding("escape,f1,enter,q,space", "dismiss", "Close", priority=True),
+        Binding("escape,enter,q,space", "dismiss", "Close", priority=True),
     ]
 
     def __init__(self, content: Content | str) -> None:
@@ -250,9 +273,10 @@ def latencies(turns: Sequence[TurnMeasured]) -> Content:
     if not turns:
         return Content.styled("no turns yet", "$text-muted")
     lines = ["  stt  llm  tts ttfs total"]
-    lines += [
-        f"{t.stt:5.2f}{t.llm:5.2f}{t.tts:5.2f}{t.ttfs:5.2f}{t.total:6.1f}" for t in reversed(turns)
-    ]
+    for turn in reversed(turns):
+        stages = (turn.stt, turn.llm, turn.tts, turn.ttfs)
+        told = (f"{one:5.{2 if one < 9.995 else 1}f}" for one in stages)
+        lines.append(f"{''.join(told)}{turn.total:6.1f}")
     return Content("\n".join(lines))
 
 
@@ -350,6 +374,36 @@ LIGHT_THEME = replace(
         "text-muted": "#555555",
         "footer-key-foreground": "#00508c",
     },
+)
+
+LOG_ON_DARK = TerminalTheme(
+    (30, 30, 30),
+    (224, 224, 224),
+    [
+        (160, 160, 160),
+        (255, 120, 130),
+        (140, 210, 90),
+        (240, 180, 80),
+        (140, 175, 255),
+        (220, 150, 255),
+        (100, 210, 230),
+        (210, 210, 210),
+    ],
+)
+"""The eight colours of a terminal, in which the log comes."""
+LOG_ON_LIGHT = TerminalTheme(
+    (255, 255, 255),
+    (30, 30, 30),
+    [
+        (0, 0, 0),
+        (163, 18, 18),
+        (11, 102, 48),
+        (122, 74, 0),
+        (0, 80, 140),
+        (106, 42, 140),
+        (0, 95, 105),
+        (85, 85, 85),
+    ],
 )
 
 

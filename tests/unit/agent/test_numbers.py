@@ -71,6 +71,7 @@ def test_tens_and_halves_are_understood(language, said, written):
         ("en", "go to x 2 m y 50 cm", "go to x 2 m y 0.5 meters"),
         ("en", "get back on your feet", "get back on your feet"),
         ("ar", "5 أقدام", "1.524 متر"),
+        ("ar", "تقدم متر واحد", "تقدم 1 متر"),
         ("de", "zwei Fuß vor", "0.6096 Meter vor"),
         ("es", "avanza dos pies", "avanza 0.6096 metros"),
         ("fr", "avance de trois pieds", "avance de 0.9144 mètres"),
