@@ -158,6 +158,24 @@ def test_a_form_holds_to_the_limits_of_the_policy(opens: Opens, robot: Robot) ->
     expect(forbidden).to_be_disabled()
 
 
+def test_a_point_of_the_map_is_chosen_by_keyboard_and_told_by_its_room(
+    opens: Opens, robot: Robot
+) -> None:
+    robot.hello["words"] = {"kitchen": "Küche"}
+    page = opens(locale="de")
+    canvas, where = page.get_by_role("application", name="Karte"), page.locator(".tap-sheet strong")
+    kitchen = page.locator(".map-rooms").get_by_role("button", name="Küche")
+    kitchen.focus()
+    expect(kitchen).to_have_css("opacity", "1")
+    page.keyboard.press("Enter")
+    expect(where).to_have_text("Küche · Bei 7,90, 1,90 m")
+    page.keyboard.press("Escape")
+    expect(canvas).to_be_focused()
+    page.keyboard.press("ArrowDown")
+    page.keyboard.press("Enter")
+    expect(where).to_contain_text("living room · ")
+
+
 def test_a_tap_on_the_map_goes_there_or_names_it(opens: Opens, robot: Robot) -> None:
     page = opens()
     canvas = page.locator(".map")

@@ -261,7 +261,7 @@ function skillForm(store, skill, run) {
     h("div", { class: "row tight" }, h("h2", { class: "fill", lang: foreign(skill.language), dir: "auto" }, label), button),
     skill.description ? h("p", { class: "quiet small-text", lang: foreign(skill.language), dir: "auto" }, skill.description) : null,
     fields.length ? h("div", { class: "fields" }, ...fields.map((one) => one.element)) : null,
-    allowed ? null : h("p", { class: "small-text warn-text" }, skill.why || say("policy_forbids")));
+    allowed ? null : h("p", { class: "small-text warn-text", dir: "auto" }, skill.why || say("policy_forbids")));
   const filled = () => Object.fromEntries(
     fields.map((one) => [one.name, one.value()]).filter(([, value]) => value !== undefined));
   const { element, ask } = question(button, () => store.doing(skill.name, filled()), () =>
