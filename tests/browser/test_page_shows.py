@@ -147,6 +147,12 @@ def test_a_form_sends_typed_arguments_and_can_be_repeated(opens: Opens, robot: R
     assert [one["arguments"] for one in robot.commands("skill")] == [wanted, wanted]
 
 
+def test_stop_is_no_form_among_others(opens: Opens, robot: Robot) -> None:
+    robot.hello["skills"].append({"name": "stop", "label": "stop at once", "schema": {}})
+    page = opens()
+    expect(page.locator(".skill h2")).to_have_text(["go to a room", "move", "forget a place"])
+
+
 def test_a_form_holds_to_the_limits_of_the_policy(opens: Opens, robot: Robot) -> None:
     page = opens()
     form = page.locator(".skill", has_text="Drive straight")

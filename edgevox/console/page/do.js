@@ -5,6 +5,8 @@ import { question, tellRefusal } from "./notices.js";
 import { foreign, say } from "./words.js";
 
 const RECENT = 6;
+/** The skill that has a button of its own: no second stop that lasts less stands beside it. */
+const STOP = "stop";
 
 /** @typedef {{name: string, arguments: Record<string, any>}} Call */
 
@@ -36,8 +38,9 @@ export function doPanel(store, link) {
     const now = JSON.stringify([store.skills, store.words, store.arguments]);
     if (now === shown) return; // a form that somebody fills in survives a lost line
     shown = now;
-    list.replaceChildren(...store.skills.map((skill) => skillForm(store, skill, run)));
-    if (!store.skills.length) list.append(h("p", { class: "empty" }, say("no_skills")));
+    const forms = store.skills.filter(({ name }) => name !== STOP).map((skill) => skillForm(store, skill, run));
+    list.replaceChildren(...forms);
+    if (!forms.length) list.append(h("p", { class: "empty" }, say("no_skills")));
   });
   const fields = h("fieldset", { class: "bare stack", "aria-label": say("skills") }, recentBox, list);
   onlyWithControl(store, fields);
