@@ -147,6 +147,23 @@ def test_a_form_sends_typed_arguments_and_can_be_repeated(opens: Opens, robot: R
     assert [one["arguments"] for one in robot.commands("skill")] == [wanted, wanted]
 
 
+def test_fields_that_may_stay_empty_are_folded_beside_one_that_may_not(
+    opens: Opens, robot: Robot
+) -> None:
+    fields = {"name": {"type": "string"}, "x": {"anyOf": [{"type": "number"}, {"type": "null"}]}}
+    schema = {"type": "object", "required": ["name"], "properties": fields}
+    robot.hello["skills"] = [{"name": "remember_place", "schema": schema}]
+    page = opens()
+    name, x = page.get_by_label("name", exact=True), page.get_by_label("x", exact=True)
+    name.fill("dock")
+    expect(x).to_be_hidden()
+    page.locator(".options summary").click()
+    x.fill("2")
+    page.locator(".skill button[type=submit]").click()
+    until(page, lambda: bool(robot.commands("skill")))
+    assert robot.commands("skill")[0]["arguments"] == {"name": "dock", "x": 2}
+
+
 def test_stop_is_no_form_among_others(opens: Opens, robot: Robot) -> None:
     robot.hello["skills"].append({"name": "stop", "label": "stop at once", "schema": {}})
     page = opens()

@@ -263,7 +263,7 @@ function skillForm(store, skill, run) {
   const form = h("form", { class: "skill", autocomplete: "off" },
     h("div", { class: "row tight" }, h("h2", { class: "fill", lang: foreign(skill.language), dir: "auto" }, label), button),
     skill.description ? h("p", { class: "quiet small-text", lang: foreign(skill.language), dir: "auto" }, skill.description) : null,
-    fields.length ? h("div", { class: "fields" }, ...fields.map((one) => one.element)) : null,
+    ...fieldBoxes(fields),
     allowed ? null : h("p", { class: "small-text warn-text", dir: "auto" }, skill.why || say("policy_forbids")));
   const filled = () => Object.fromEntries(
     fields.map((one) => [one.name, one.value()]).filter(([, value]) => value !== undefined));
@@ -278,6 +278,14 @@ function skillForm(store, skill, run) {
   return form;
 }
 
+/** The fields; those that may stay empty are folded where others may not. @param {ReturnType<typeof field>[]} fields */
+function fieldBoxes(fields) {
+  const needed = fields.some((one) => one.required);
+  const [first, folded] = [false, true].map((on) => fields.filter((one) => on === (needed && one.spare)).map((one) => one.element));
+  return [first.length ? h("div", { class: "fields" }, ...first) : null,
+    folded.length ? h("details", { class: "options" }, h("summary", {}, say("options")), h("div", { class: "fields" }, ...folded)) : null];
+}
+
 /** @param {import("./store.js").Store} store @param {string} name @param {Schema} schema @param {boolean} required @param {boolean} lasting */
 function field(store, name, schema, required, lasting) {
   const own = store.arguments[name];
@@ -285,7 +293,8 @@ function field(store, name, schema, required, lasting) {
   const input = inputFor(store, schema, required, lasting, words);
   const limits = limitsOf(schema);
   const element = h("label", { class: "field" }, h("span", {}, h("span", { lang: own ? null : foreign("en") }, words), limits ? h("small", { class: "quiet" }, ` ${limits}`) : null), input);
-  return { name, element, value: () => read(input.value, schema) };
+  const spare = !required && schema.default == null;
+  return { name, element, required, spare, value: () => read(input.value, schema) };
 }
 
 /** @param {Schema} schema */
