@@ -16,6 +16,8 @@ from playwright.sync_api import Browser, Page, sync_playwright
 from sound_rig import launch
 from stand_in import CODE, SKILLS, Robot
 
+from edgevox.agent.phrases.load import phrasebook
+
 NAME = "robot-apartment-2"
 PEER = "Anna's phone"
 GAP_PX, TITLE_PX, ACROSS_PX = 16, 18, 2400
@@ -145,11 +147,22 @@ def main() -> None:
         browser.close()
 
 
+def told_in(language: str) -> dict:
+    """What the robot tells of its skills in a language: one of them is its own, in English."""
+    phrases = phrasebook(language)
+    rooms = SKILLS[0]["schema"]["properties"]["room"]["enum"]
+    word = {one: phrases.without_article(str(phrases.word(one))) for one in rooms}
+    own = {"label": phrases.skills["navigate_to"].can, "language": language, "description": ""}
+    skills = [{**SKILLS[0], **own}, *({**one, "language": "en"} for one in SKILLS[1:])]
+    room = phrases.without_article(phrases.arguments["room"])
+    return {"skills": skills, "words": word, "arguments": {"room": f"{room[:1].upper()}{room[1:]}"}}
+
+
 def taken_of(browser: Browser, look: Look, state: str) -> Image.Image:
     """The page in this state, as this person sees it."""
     with Robot() as robot, window(browser, look) as page:
         robot.hello["robot"] = NAME
-        robot.hello["skills"] = SKILLS
+        robot.hello |= told_in(look.language[:2])
         robot.hello["talk"] = [
             {"type": "talk", "kind": kind, "turn": 1 + at // 3, **told}
             for at, (kind, told) in enumerate(TALK)

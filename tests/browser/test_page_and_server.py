@@ -58,7 +58,7 @@ def test_words_reach_it_as_an_operators_and_come_back(page: Page, rig: Rig) -> N
     rig.bus.publish(Decided((("navigate_to", {"room": "kitchen"}),), "template", 1.0, 1))
     rig.bus.publish(Responded("Going to the kitchen.", 1))
     expect(page.locator(".bubble.robots")).to_have_text("Going to the kitchen.")
-    expect(page.locator(".notes")).to_have_text("navigate_to(kitchen) · by a template · 100 % sure")
+    expect(page.locator(".why p")).to_have_text("navigate_to(kitchen) · by a template · 100 % sure")
 
 
 def test_a_page_that_is_loaded_again_shows_the_last_turns(page: Page, rig: Rig) -> None:

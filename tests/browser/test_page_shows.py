@@ -13,7 +13,8 @@ from stand_in import HELLO, Robot
 from test_page_drives import until
 
 from edgevox.console.page_files import PAGE
-from edgevox.core.events import Outcome
+from edgevox.core.events import Outcome, State
+from edgevox.core.status import ComponentName
 
 LANGUAGES = sorted(path.stem for path in (PAGE / "languages").glob("*.json"))
 
@@ -38,9 +39,13 @@ def test_what_was_decided_is_told_by_stage_and_sureness(opens: Opens, robot: Rob
     robot.tell(type="talk", kind="turn_ended", turn=1, outcome="asked", stage=None)
     robot.tell(type="talk", kind="heard", turn=2, text="Yes", confidence=None)
     robot.tell(type="event", kind="tool_call", **goes, source="reading", turn=2)
-    done = "navigate_to(kitchen) · by reading the sentence"
-    asked = f"heard with 83 % certainty · {done} · 97 % sure · {page_words('outcome_asked')}"
-    expect(page.locator(".notes")).to_have_text([asked, done])
+    done, how = "go to a room: kitchen", "navigate_to(kitchen) · by reading the sentence"
+    expect(page.locator(".notes")).to_have_text([f"{done} · {page_words('outcome_asked')}", done])
+    why = page.locator(".why")
+    expect(why.locator("p")).to_have_text([f"heard with 83 % certainty · {how} · 97 % sure", how])
+    expect(why.locator("p").first).to_be_hidden()
+    why.locator("summary").first.click()
+    expect(why.locator("p").first).to_be_visible()
 
 
 def test_numbers_names_and_code_keep_their_order_from_right_to_left(
@@ -51,7 +56,7 @@ def test_numbers_names_and_code_keep_their_order_from_right_to_left(
     goes = {"skill": "navigate_to", "arguments": {"room": "kitchen"}}
     robot.tell(type="talk", kind="heard", turn=1, text="Go to the kitchen.")
     robot.tell(type="talk", kind="decided", turn=1, calls=[goes], stage="reading", confidence=0.97)
-    expect(page.locator(".notes")).to_contain_text("\u2068navigate_to(kitchen)\u2069")
+    expect(page.locator(".why")).to_contain_text("\u2068navigate_to(kitchen)\u2069")
     direction = "e => getComputedStyle(e).direction"
     assert page.locator(".bubble.mine").evaluate(direction) == "ltr"
     page.locator(".tabs [data-panel=see]").click()
@@ -66,6 +71,41 @@ def test_numbers_names_and_code_keep_their_order_from_right_to_left(
             return range.getBoundingClientRect().left; };
         return at(1) < at(text.data.indexOf(",") + 3); }"""
     assert place.evaluate(x_then_y), "x stands left of y"
+
+
+def test_the_robots_words_are_the_pages_and_what_stays_english_says_so(
+    opens: Opens, robot: Robot
+) -> None:
+    goes, moves, _ = robot.hello["skills"]
+    goes |= {"label": "in ein Zimmer fahren", "language": "de", "description": ""}
+    moves |= {"language": "en"}
+    robot.hello |= {"words": {"kitchen": "Küche"}, "arguments": {"room": "Zimmer"}}
+    page = opens(locale="de")
+    own, english = page.locator(".skill").nth(0), page.locator(".skill").nth(1)
+    expect(own.locator(".field")).to_contain_text("Zimmer")
+    expect(own.locator("option").nth(0)).to_have_text("Küche")
+    expect(own.locator("[lang]")).to_have_count(0)
+    expect(english.locator("[lang=en]")).to_have_text(
+        ["move", "Drive straight ahead, or back.", "distance (m)", "slowly"]
+    )
+    own.get_by_role("button").click()
+    expect(page.locator(".recent button")).to_have_text("in ein Zimmer fahren: Küche")
+    call = {"skill": "navigate_to", "arguments": {"room": "kitchen"}}
+    robot.tell(type="talk", kind="heard", turn=1, text="Küche!")
+    robot.tell(type="talk", kind="decided", turn=1, calls=[call], stage="template", confidence=1)
+    expect(page.locator(".notes")).to_have_text("in ein Zimmer fahren: Küche")
+
+
+def test_health_is_told_in_the_pages_words_and_a_problem_as_it_is(
+    opens: Opens, robot: Robot
+) -> None:
+    page = opens(locale="de")
+    page.locator(".side-switch [data-panel=know]").click()
+    lines = page.locator(".diagnostic summary")
+    expect(lines).to_have_text(
+        ["Mikrofon und LautsprecherOK", "Sprachmodellslow: 9 tokens/s", "RoboterOK"]
+    )
+    expect(lines.locator("[lang=en]")).to_have_text(["slow: 9 tokens/s"])
 
 
 def test_an_answer_says_whether_the_model_gave_it(opens: Opens, robot: Robot) -> None:
@@ -107,6 +147,29 @@ def test_a_form_sends_typed_arguments_and_can_be_repeated(opens: Opens, robot: R
     assert [one["arguments"] for one in robot.commands("skill")] == [wanted, wanted]
 
 
+def test_fields_that_may_stay_empty_are_folded_beside_one_that_may_not(
+    opens: Opens, robot: Robot
+) -> None:
+    fields = {"name": {"type": "string"}, "x": {"anyOf": [{"type": "number"}, {"type": "null"}]}}
+    schema = {"type": "object", "required": ["name"], "properties": fields}
+    robot.hello["skills"] = [{"name": "remember_place", "schema": schema}]
+    page = opens()
+    name, x = page.get_by_label("name", exact=True), page.get_by_label("x", exact=True)
+    name.fill("dock")
+    expect(x).to_be_hidden()
+    page.locator(".options summary").click()
+    x.fill("2")
+    page.locator(".skill button[type=submit]").click()
+    until(page, lambda: bool(robot.commands("skill")))
+    assert robot.commands("skill")[0]["arguments"] == {"name": "dock", "x": 2}
+
+
+def test_stop_is_no_form_among_others(opens: Opens, robot: Robot) -> None:
+    robot.hello["skills"].append({"name": "stop", "label": "stop at once", "schema": {}})
+    page = opens()
+    expect(page.locator(".skill h2")).to_have_text(["go to a room", "move", "forget a place"])
+
+
 def test_a_form_holds_to_the_limits_of_the_policy(opens: Opens, robot: Robot) -> None:
     page = opens()
     form = page.locator(".skill", has_text="Drive straight")
@@ -116,6 +179,24 @@ def test_a_form_holds_to_the_limits_of_the_policy(opens: Opens, robot: Robot) ->
     assert not robot.commands("skill")
     forbidden = page.locator(".skill", has_text="Forget a place").get_by_role("button")
     expect(forbidden).to_be_disabled()
+
+
+def test_a_point_of_the_map_is_chosen_by_keyboard_and_told_by_its_room(
+    opens: Opens, robot: Robot
+) -> None:
+    robot.hello["words"] = {"kitchen": "Küche"}
+    page = opens(locale="de")
+    canvas, where = page.get_by_role("application", name="Karte"), page.locator(".tap-sheet strong")
+    kitchen = page.locator(".map-rooms").get_by_role("button", name="Küche")
+    kitchen.focus()
+    expect(kitchen).to_have_css("opacity", "1")
+    page.keyboard.press("Enter")
+    expect(where).to_have_text("Küche · Bei 7,90, 1,90 m")
+    page.keyboard.press("Escape")
+    expect(canvas).to_be_focused()
+    page.keyboard.press("ArrowDown")
+    page.keyboard.press("Enter")
+    expect(where).to_contain_text("living room · ")
 
 
 def test_a_tap_on_the_map_goes_there_or_names_it(opens: Opens, robot: Robot) -> None:
@@ -303,6 +384,8 @@ def test_every_key_that_the_page_says_has_words() -> None:
     assert said
     said |= {f"outcome_{one}" for one in Outcome if one is not Outcome.ACTED}
     said |= {f"stage_{one}" for one in ("template", "reading", "model", "command", "program")}
+    said |= {f"state_{one}" for one in (*State, "moving", "stopped", "gone", "waiting")}
+    said |= {f"part_{one}" for one in ComponentName}
     assert said <= json.loads((PAGE / "languages/en.json").read_text()).keys()
 
 

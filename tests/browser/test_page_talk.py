@@ -2,7 +2,7 @@
 
 from browser_rig import PHONE, Opens, page_words
 from playwright.sync_api import Page, expect
-from stand_in import Robot
+from stand_in import LIVE, Robot
 from test_page_drives import until
 
 
@@ -121,8 +121,16 @@ def test_what_can_be_said_stands_there_in_the_robots_language(opens: Opens, robo
     expect(hint).to_have_text(page_words("talk_empty"), use_inner_text=True)
 
 
-def test_a_stop_stands_in_the_robots_state_too(opens: Opens, robot: Robot) -> None:
+def test_the_robots_state_says_that_it_moves_and_that_it_is_stopped(
+    opens: Opens, robot: Robot
+) -> None:
+    robot.live = {**LIVE, "goal": None, "velocity": {"linear": 0.2, "angular": 0.0}}
     page = opens(command=False)
+    expect(page.locator(".chip.state")).to_have_text(page_words("state_moving"))
+    robot.live = {**LIVE, "velocity": {"linear": 0.0, "angular": 0.0}}
+    expect(page.locator(".facts")).to_contain_text("0.00 m/s")
+    expect(page.locator(".chip.state")).to_have_text(page_words("state_moving"))
+    robot.live |= {"goal": None}
     expect(page.locator(".chip.state")).to_have_text(page_words("state_listening"))
     robot.tell(type="stop", engaged=True, by="Anna", since=1.0)
     expect(page.locator(".chip.state")).to_have_text(page_words("state_stopped"))

@@ -217,7 +217,14 @@ def test_forms_hold_the_policys_limits_and_say_what_is_forbidden(limited):
 
 
 def test_forms_are_told_in_the_language_of_the_page(console):
-    assert console.described("de")["stop"]["label"] != console.described("en")["stop"]["label"]
+    told = console.context.describe("de")
+    assert told["words"]["kitchen"] == "Küche"
+    assert told["arguments"]["room"] == "Zimmer"
+    english, german = (console.described(one)["navigate_to"] for one in ("en", "de"))
+    assert (german["label"], german["language"]) == ("in ein Zimmer fahren", "de")
+    assert not german["description"]
+    assert english["language"] == "en"
+    assert english["description"]
 
 
 @pytest.mark.parametrize("yes", [True, False])

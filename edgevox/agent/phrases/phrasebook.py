@@ -286,6 +286,14 @@ class Phrasebook:
         """A word's forms; those of an unknown one are made of its own name."""
         return self._known(name) or self.unknown.called(name.replace("_", " "))
 
+    def without_article(self, name: str) -> str:
+        """A name without the article before it, for a list or a label."""
+        for article in self.hearing.articles:
+            before = article if article.endswith("'") else f"{article} "
+            if name.startswith(before):
+                return name.removeprefix(before)
+        return name
+
     def heard(self, choices: OneOf) -> dict[str, str]:
         """Everything that may be said for these words, to the word."""
         own = choices.spoken()

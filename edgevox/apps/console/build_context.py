@@ -8,13 +8,14 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict
 from typing import Any
 
-from edgevox.agent.phrases.load import phrasebook
+from edgevox.agent.phrases.load import ENGLISH, phrasebook
 from edgevox.agent.phrases.phrasebook import Phrasebook
 from edgevox.agent.policy import Guard, PolicyContext, Rule
 from edgevox.agent.policy.limits import PLACES, PolicyLimits
 from edgevox.agent.skills import STOP, Skill
 from edgevox.agent.skills.failures import SkillFailed, WrongArgument, reason_of
 from edgevox.agent.skills.skill import TO_POINT
+from edgevox.agent.text.words import as_part, spoken_name
 from edgevox.apps.agent.parts import AgentParts
 from edgevox.apps.console.robot_recorder import NoRecorder, RobotRecorder
 from edgevox.apps.console.shown_robot import ShownRobot
@@ -32,13 +33,20 @@ from edgevox.robots.places.skills import REMEMBER
 def offered(
     skills: Sequence[Skill], guard: Guard, phrases: Phrasebook, way: Way
 ) -> list[dict[str, Any]]:
-    """Each skill as this way may ask for it, told in the language of the phrasebook."""
+    """Each skill as this way may ask for it, told in the language of the phrasebook.
+
+    Descriptions are English, and so are labels of skills that the phrasebook does not know.
+    """
     file = guard.look().file
+    is_english = phrases.code == ENGLISH
     return [
         {
             "name": one.name,
             "label": phrases.can(one),
-            "description": one.description,
+            "language": ENGLISH
+            if is_english or phrases.can(one) == as_part(one.description)
+            else phrases.code,
+            "description": one.description if is_english else "",
             "schema": limited(one.schema, file.limits, guard.around) if one.drives else one.schema,
             "moves": one.drives,
             "lasting": one.lasting,
@@ -46,6 +54,24 @@ def offered(
         }
         for one in skills
     ]
+
+
+def argument_labels(skills: Sequence[Skill], phrases: Phrasebook) -> dict[str, str]:
+    """What the phrasebook calls the skills' arguments: "Distance in metres"."""
+    names = {name for one in skills for name in one.schema.get("properties", {})}
+    known = ((name, phrases.arguments.get(spoken_name(name), "")) for name in sorted(names))
+    labels = ((name, phrases.without_article(said)) for name, said in known if said)
+    return {name: f"{said[:1].upper()}{said[1:]}" for name, said in labels}
+
+
+def word_labels(skills: Sequence[Skill], phrases: Phrasebook) -> dict[str, str]:
+    """What the phrasebook calls places, things and other words that the skills take."""
+    labels: dict[str, str] = {}
+    for choices in (choices for one in skills for choices in one.choices.values()):
+        for word in choices.words:
+            own = choices.names.get(word, {}).get(phrases.code)
+            labels[word] = phrases.without_article(own.name if own else str(phrases.word(word)))
+    return {word: said for word, said in labels.items() if said != word.replace("_", " ")}
 
 
 def limited(
@@ -142,6 +168,8 @@ class _OfAgent:
                 "voices": list(controls.voices),
                 "confirms": list(CONFIRM),
             },
+            "words": word_labels(self._parts.skills, phrases),
+            "arguments": argument_labels(self._parts.skills, phrases),
             "skills": offered(self._parts.skills, self._parts.guard, phrases, Way.CONSOLE_OPERATOR),
             "capabilities": {
                 **here,

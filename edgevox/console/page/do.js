@@ -2,11 +2,13 @@
 import { h, sign } from "./dom.js";
 import { onlyWithControl, whyNoControl } from "./lease.js";
 import { question, tellRefusal } from "./notices.js";
-import { say } from "./words.js";
+import { foreign, say } from "./words.js";
 
 const RECENT = 6;
+/** The skill that has a button of its own: no second stop that lasts less stands beside it. */
+const STOP = "stop";
 
-/** @typedef {{name: string, label: string, arguments: Record<string, any>}} Call */
+/** @typedef {{name: string, arguments: Record<string, any>}} Call */
 
 /**
  * @param {import("./store.js").Store} store
@@ -27,17 +29,18 @@ export function doPanel(store, link) {
   const showRecent = () => {
     const had = recentBox.contains(document.activeElement);
     const buttons = recent.map((call) => h("button", { class: "small", type: "button", title: say("again"), onclick: () => run(call) },
-      sign("again"), [call.label, ...Object.values(call.arguments)].join(" ")));
+      sign("again"), h("span", { lang: skillLanguage(store, call.name) }, store.doing(call.name, call.arguments))));
     recentBox.replaceChildren(...buttons);
     if (had) buttons[0].focus(); // what was pressed is the first now
   };
   let shown = "";
   store.on("hello", () => {
-    const now = JSON.stringify(store.skills);
+    const now = JSON.stringify([store.skills, store.words, store.arguments]);
     if (now === shown) return; // a form that somebody fills in survives a lost line
     shown = now;
-    list.replaceChildren(...store.skills.map((skill) => skillForm(skill, run)));
-    if (!store.skills.length) list.append(h("p", { class: "empty" }, say("no_skills")));
+    const forms = store.skills.filter(({ name }) => name !== STOP).map((skill) => skillForm(store, skill, run));
+    list.replaceChildren(...forms);
+    if (!forms.length) list.append(h("p", { class: "empty" }, say("no_skills")));
   });
   const fields = h("fieldset", { class: "bare stack", "aria-label": say("skills") }, recentBox, list);
   onlyWithControl(store, fields);
@@ -50,6 +53,9 @@ export function doPanel(store, link) {
   return h("section", { class: "card do-card scroll stack", tabindex: "0", "aria-label": say("do") },
     hint, fields);
 }
+
+/** The language of a skill's label, where that is not the page's. @param {import("./store.js").Store} store @param {string} name */
+export const skillLanguage = (store, name) => foreign(store.skills.find((one) => one.name === name)?.language);
 
 // A joystick for bodies that take velocities: ten times a second while it is held, one zero when it is let go, nothing
 // while the robot does not answer.
@@ -243,41 +249,52 @@ function plain(schema, whole) {
 }
 
 /**
+ * @param {import("./store.js").Store} store
  * @param {import("./wire.js").Skill} skill
  * @param {(call: import("./do.js").Call) => void} run
  */
-function skillForm(skill, run) {
+function skillForm(store, skill, run) {
   const label = skill.label || skill.name.replaceAll("_", " ");
   const needed = new Set(skill.schema.required ?? []);
   const fields = Object.entries(skill.schema.properties ?? {}).map(([name, schema]) =>
-    field(name, plain(schema, skill.schema), needed.has(name), Boolean(skill.lasting)));
+    field(store, name, plain(schema, skill.schema), needed.has(name), Boolean(skill.lasting)));
   const allowed = skill.allowed !== false;
   const button = h("button", { class: "small primary", type: "submit", disabled: !allowed, "aria-label": `${say("run")}: ${label}` }, say("run"));
   const form = h("form", { class: "skill", autocomplete: "off" },
-    h("div", { class: "row tight" }, h("h2", { class: "fill" }, label), button),
-    skill.description ? h("p", { class: "quiet small-text" }, skill.description) : null,
-    fields.length ? h("div", { class: "fields" }, ...fields.map((one) => one.element)) : null,
-    allowed ? null : h("p", { class: "small-text warn-text" }, skill.why || say("policy_forbids")));
+    h("div", { class: "row tight" }, h("h2", { class: "fill", lang: foreign(skill.language), dir: "auto" }, label), button),
+    skill.description ? h("p", { class: "quiet small-text", lang: foreign(skill.language), dir: "auto" }, skill.description) : null,
+    ...fieldBoxes(fields),
+    allowed ? null : h("p", { class: "small-text warn-text", dir: "auto" }, skill.why || say("policy_forbids")));
   const filled = () => Object.fromEntries(
     fields.map((one) => [one.name, one.value()]).filter(([, value]) => value !== undefined));
-  const { element, ask } = question(button, () => [label, ...Object.values(filled())].join(" "), () =>
-    run({ name: skill.name, label, arguments: filled() }));
+  const { element, ask } = question(button, () => store.doing(skill.name, filled()), () =>
+    run({ name: skill.name, arguments: filled() }));
   form.append(element);
   form.addEventListener("submit", (event) => {
     event.preventDefault();
     if (skill.lasting) ask();
-    else run({ name: skill.name, label, arguments: filled() });
+    else run({ name: skill.name, arguments: filled() });
   });
   return form;
 }
 
-/** @param {string} name @param {Schema} schema @param {boolean} required @param {boolean} lasting */
-function field(name, schema, required, lasting) {
-  const words = schema.title || name.replaceAll("_", " ");
-  const input = inputFor(schema, required, lasting, words);
+/** The fields; those that may stay empty are folded where others may not. @param {ReturnType<typeof field>[]} fields */
+function fieldBoxes(fields) {
+  const needed = fields.some((one) => one.required);
+  const [first, folded] = [false, true].map((on) => fields.filter((one) => on === (needed && one.spare)).map((one) => one.element));
+  return [first.length ? h("div", { class: "fields" }, ...first) : null,
+    folded.length ? h("details", { class: "options" }, h("summary", {}, say("options")), h("div", { class: "fields" }, ...folded)) : null];
+}
+
+/** @param {import("./store.js").Store} store @param {string} name @param {Schema} schema @param {boolean} required @param {boolean} lasting */
+function field(store, name, schema, required, lasting) {
+  const own = store.arguments[name];
+  const words = own || schema.title || name.replaceAll("_", " ");
+  const input = inputFor(store, schema, required, lasting, words);
   const limits = limitsOf(schema);
-  const element = h("label", { class: "field" }, h("span", {}, words, limits ? h("small", { class: "quiet" }, ` ${limits}`) : null), input);
-  return { name, element, value: () => read(input.value, schema) };
+  const element = h("label", { class: "field" }, h("span", {}, h("span", { lang: own ? null : foreign("en") }, words), limits ? h("small", { class: "quiet" }, ` ${limits}`) : null), input);
+  const spare = !required && schema.default == null;
+  return { name, element, required, spare, value: () => read(input.value, schema) };
 }
 
 /** @param {Schema} schema */
@@ -288,11 +305,11 @@ function limitsOf(schema) {
   return `${low ?? ""} … ${high ?? ""}`;
 }
 
-/** Nothing is chosen before somebody chooses, where what is done stays. @param {Schema} schema @param {boolean} required @param {boolean} lasting @param {string} words */
-function inputFor(schema, required, lasting, words) {
+/** Nothing is chosen before somebody chooses, where what is done stays. @param {import("./store.js").Store} store @param {Schema} schema @param {boolean} required @param {boolean} lasting @param {string} words */
+function inputFor(store, schema, required, lasting, words) {
   const choices = schema.enum ?? (schema.type === "boolean" ? [true, false] : null);
   if (choices) {
-    const options = choices.map((one) => h("option", { value: JSON.stringify(one), selected: one === schema.default }, choiceWords(one)));
+    const options = choices.map((one) => h("option", { value: JSON.stringify(one), selected: one === schema.default }, choiceWords(store, one)));
     return h("select", { required, "aria-label": words }, required && !lasting ? null : h("option", { value: "" }, "–"), ...options);
   }
   const given = schema.default ?? "";
@@ -302,10 +319,10 @@ function inputFor(schema, required, lasting, words) {
   return h("input", { type: "text", required, maxlength: schema.maxLength ?? 200, value: given });
 }
 
-/** @param {any} value */
-function choiceWords(value) {
+/** @param {import("./store.js").Store} store @param {any} value */
+function choiceWords(store, value) {
   if (typeof value === "boolean") return say(value ? "yes" : "no");
-  return String(value).replaceAll("_", " ");
+  return store.called({ name: String(value) });
 }
 
 /** @param {string} text @param {Schema} schema */

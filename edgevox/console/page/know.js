@@ -1,7 +1,7 @@
 /** How the robot is: health, latencies as small plots, what was refused and why, logs, recordings. */
 import { h, section, sign, sparkline } from "./dom.js";
 import { question, tellRefusal, toast, whyNot } from "./notices.js";
-import { language, number, say } from "./words.js";
+import { foreign, language, number, say, sayOr } from "./words.js";
 
 const STAGES = /** @type {const} */ (["stt", "llm", "tts", "ttfs", "total"]);
 const LEVELS = ["good", "warn", "bad", "stale"];
@@ -33,7 +33,7 @@ function healthList() {
   /** @type {Map<string, ReturnType<typeof healthRow>>} */
   const rows = new Map();
   const show = (/** @type {import("./wire.js").Status} */ status) => {
-    problems.replaceChildren(...(status.health?.problems ?? []).map((text) => h("p", { class: "notice bad" }, text)));
+    problems.replaceChildren(...(status.health?.problems ?? []).map((text) => h("p", { class: "notice bad", lang: foreign("en"), dir: "auto" }, text)));
     const told = status.diagnostics ?? [];
     for (const [name, row] of rows) if (!told.some((one) => one.name === name)) {
       row.element.remove();
@@ -52,16 +52,20 @@ function healthList() {
 /** @param {string} name */
 function healthRow(name) {
   const dot = h("span", { class: "dot", role: "img" });
+  const words = sayOr(`part_${name}`, "");
   const message = h("span", { class: "quiet", dir: "auto" });
-  const values = h("div", {});
-  const element = h("details", { class: "diagnostic" }, h("summary", {}, dot, h("strong", { dir: "auto" }, name), message), values);
+  const values = h("div", { lang: foreign("en"), dir: "auto" });
+  const element = h("details", { class: "diagnostic" }, h("summary", {}, dot,
+    h("strong", { dir: "auto", lang: words ? null : foreign("en") }, words || name), message), values);
   const show = (/** @type {import("./wire.js").Diagnostic} */ one) => {
     const kind = LEVELS[one.level] ?? "stale";
     dot.className = `dot ${kind}`;
     dot.setAttribute("aria-label", say(`level_${kind}`));
-    message.textContent = one.message ?? "";
-    values.replaceChildren(...Object.entries(one.values ?? {}).map(([key, value]) => h("div", { class: "row tight" },
-      h("span", { class: "quiet fill" }, key), h("span", {}, String(value)))));
+    const told = kind === "good" || !one.message; // why it is not well stands there at once, what is well does not
+    message.textContent = told ? say(`level_${kind}`) : one.message ?? "";
+    message.lang = (!told && foreign("en")) || language();
+    values.replaceChildren(...[[name, one.message ?? ""], ...Object.entries(one.values ?? {})].map(([key, value]) =>
+      h("div", { class: "row tight" }, h("span", { class: "quiet fill" }, key), h("span", {}, String(value)))));
   };
   return { element, show };
 }

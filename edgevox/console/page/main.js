@@ -31,8 +31,10 @@ function topBar(store, /** @type {Link} */ link) {
   });
   let does = "listening";
   const tellState = () => {
-    const now = store.link !== "ready" ? store.link : store.stop.engaged ? "stopped" : does;
-    state.textContent = say(`state_${now}`);
+    const now = store.link !== "ready" ? store.link : store.stop.engaged ? "stopped"
+      : does === "listening" && store.moves ? "moving" : does;
+    const text = say(`state_${now}`);
+    if (state.textContent !== text) state.textContent = text; // a reader says it at each change
   };
   store.on("talk", (m) => {
     if (m.kind !== "state") return;
@@ -40,7 +42,7 @@ function topBar(store, /** @type {Link} */ link) {
     tellState();
   });
   store.on("hello", () => (does = "listening"));
-  for (const type of ["link", "stop"]) store.on(type, tellState);
+  for (const type of ["link", "stop", "live"]) store.on(type, tellState);
   store.on("live", () => {
     const level = store.live.battery?.level;
     battery.hidden = level == null;

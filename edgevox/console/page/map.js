@@ -1,14 +1,14 @@
 /** The map: a canvas that is painted when something changed, and what a tap on it offers. */
-import { h, sign } from "./dom.js";
+import { h, redraw, sign } from "./dom.js";
 import { tellRefusal, toast, whyNot } from "./notices.js";
-import { number, say } from "./words.js";
+import { isolated, number, say } from "./words.js";
 
 /**
  * @param {import("./store.js").Store} store
  * @param {import("./link.js").Link} link
  */
 export function mapCard(store, link) {
-  const canvas = h("canvas", { class: "map", tabindex: "0", role: "img" });
+  const canvas = h("canvas", { class: "map", tabindex: "0", role: "application", "aria-describedby": "map-keys" });
   const view = new MapView(canvas);
   let drawn = false;
   let c = colours();
@@ -21,7 +21,10 @@ export function mapCard(store, link) {
     g.clearRect(0, 0, view.width, view.height);
     if (!store.scene) return;
     drawScene(g, view, store.scene, c, grid);
-    drawLive(g, view, store.live, store.scene, c);
+    drawLive(g, view, store, store.scene, c);
+    const chosen = sheet.chosen();
+    if (chosen) drawPin(g, ...view.toScreen(chosen.x, chosen.y), c);
+    if (view.aims && document.activeElement === canvas) drawCross(g, view, c);
   };
   const soon = () => {
     if (drawn || document.hidden) return;
@@ -29,8 +32,9 @@ export function mapCard(store, link) {
     requestAnimationFrame(paint);
   };
   const grid = new MapGrid(soon);
-  const sheet = tapSheet(store, link, canvas);
+  const sheet = tapSheet(store, link, canvas, soon);
   moveByHand(canvas, view, soon, (px, py) => store.scene && sheet.offer(...view.toMap(px, py)));
+  for (const type of ["focus", "blur"]) canvas.addEventListener(type, soon);
   new ResizeObserver(soon).observe(canvas);
   document.addEventListener("visibilitychange", soon);
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => {
@@ -52,9 +56,26 @@ export function mapCard(store, link) {
     const pose = store.live.pose;
     if (pose) Object.assign(view, { x: pose.x, y: pose.y, whole: false, scale: Math.max(view.scale, 90) });
   };
-  return h("div", { class: "map-card" }, canvas, h("div", { class: "map-tools" },
+  const keys = h("p", { class: "unseen", id: "map-keys" }, say("map_keys"));
+  return h("div", { class: "map-card" }, canvas, keys, roomButtons(store, sheet.offer), h("div", { class: "map-tools" },
     button("plus", "zoom_in", () => view.zoom(1.4)), button("minus", "zoom_out", () => view.zoom(0.7)),
     button("all", "whole_map", () => view.fit()), button("here", "to_robot", robot)), sheet.element);
+}
+
+/**
+ * The rooms and places as buttons, for who cannot tap on the map: in sight while the keyboard is there.
+ * @param {import("./store.js").Store} store
+ * @param {(x: number, y: number) => void} offer
+ */
+function roomButtons(store, offer) {
+  const list = h("nav", { class: "map-rooms", "aria-label": say("rooms") });
+  store.on("scene", () => {
+    const { rooms = [], places = [] } = store.scene ?? {};
+    const spots = [...rooms.map((one) => ({ ...one, at: one.goal })), ...places.map((one) => ({ ...one, at: [one.x, one.y] }))];
+    redraw(list, ...spots.filter((one) => one.at).map((one) => h("button", { class: "small", type: "button",
+      onclick: () => offer(.../** @type {[number, number]} */ (one.at)) }, store.called(one))));
+  });
+  return list;
 }
 
 /** Says in words where the robot is, every few seconds and only if it changed. @param {import("./store.js").Store} store @param {HTMLElement} canvas */
@@ -76,14 +97,18 @@ function describeForReaders(store, canvas) {
  * @param {import("./store.js").Store} store
  * @param {import("./link.js").Link} link
  * @param {HTMLElement} canvas
+ * @param {() => void} changed the point that is chosen
  */
-function tapSheet(store, link, canvas) {
+function tapSheet(store, link, canvas, changed) {
   let at = { x: 0, y: 0 };
-  const where = h("strong");
+  const where = h("strong", { dir: "auto" });
   const name = h("input", { type: "text", maxlength: "60", placeholder: say("place_name"), "aria-label": say("place_name") });
   /** The name that was sent and is not answered for yet. */
   let naming = "";
-  const hide = () => (element.hidden = true);
+  const hide = () => {
+    element.hidden = true;
+    changed();
+  };
   const leave = () => {
     hide();
     canvas.focus();
@@ -122,16 +147,29 @@ function tapSheet(store, link, canvas) {
   element.addEventListener("keydown", (event) => event.key === "Escape" && leave());
   const offer = (/** @type {number} */ x, /** @type {number} */ y) => {
     at = { x: Math.round(x * 100) / 100, y: Math.round(y * 100) / 100 };
-    where.textContent = say("point", { x: number(at.x, 2), y: number(at.y, 2) });
+    const room = store.scene?.rooms?.find((one) => one.outline && inside(one.outline, at));
+    const point = say("point", { x: number(at.x, 2), y: number(at.y, 2) });
+    where.textContent = room ? `${isolated(store.called(room))} \u00b7 ${point}` : point;
     name.value = "";
     for (const one of [go, name]) one.disabled = !store.may;
     go.hidden = store.capabilities.goto === false;
     form.hidden = store.capabilities.name_place === false;
     naming = "";
     element.hidden = go.hidden && form.hidden;
+    changed();
     (store.may && !go.hidden ? go : name).focus();
   };
-  return { element, offer };
+  return { element, offer, chosen: () => (element.hidden ? null : at) };
+}
+
+/** Whether a point is inside of an outline. @param {[number, number][]} outline @param {{x: number, y: number}} point */
+function inside(outline, { x, y }) {
+  let is = false;
+  outline.forEach(([x1, y1], i) => {
+    const [x0, y0] = outline[(i || outline.length) - 1];
+    if ((y0 > y) !== (y1 > y) && x < x0 + ((x1 - x0) * (y - y0)) / (y1 - y0)) is = !is;
+  });
+  return is;
 }
 
 /** The name that this event of the skill is about; a rejected one tells its arguments as they came. @param {any} event */
@@ -160,6 +198,8 @@ class MapView {
     this.bounds = null;
     /** Whether the whole map is kept in sight. */
     this.whole = true;
+    /** Whether the keys choose a point, which is the middle. */
+    this.aims = false;
     this.width = 0;
     this.height = 0;
   }
@@ -229,6 +269,7 @@ function moveByHand(canvas, view, changed, tapped) {
   let moved = 0;
   canvas.addEventListener("pointerdown", (event) => {
     canvas.setPointerCapture(event.pointerId);
+    view.aims = false;
     if (!fingers.size) moved = 0;
     fingers.set(event.pointerId, { x: event.offsetX, y: event.offsetY });
     if (fingers.size > 1) moved = 99;
@@ -266,6 +307,7 @@ function moveByHand(canvas, view, changed, tapped) {
     };
     if (!keys[event.key]) return;
     event.preventDefault();
+    view.aims = true;
     keys[event.key]();
     changed();
   });
@@ -394,16 +436,49 @@ function drawScene(g, view, scene, c, grid) {
   fillAll(g, view, scene.walls, c.wall, c.wall);
 }
 
+/** The point that is chosen. @param {CanvasRenderingContext2D} g @param {number} x @param {number} y @param {Record<string, string>} c */
+function drawPin(g, x, y, c) {
+  g.beginPath();
+  g.moveTo(x, y);
+  g.lineTo(x - 9, y - 17);
+  g.arc(x, y - 21, 10, Math.PI - 0.4, 0.4);
+  g.closePath();
+  g.fillStyle = c.text;
+  g.strokeStyle = c.card;
+  g.lineWidth = 2;
+  g.fill();
+  g.stroke();
+  g.beginPath();
+  g.arc(x, y - 21, 3.5, 0, 2 * Math.PI);
+  g.fillStyle = c.card;
+  g.fill();
+}
+
+/** Where Enter chooses a point. @param {CanvasRenderingContext2D} g @param {MapView} view @param {Record<string, string>} c */
+function drawCross(g, { width, height }, c) {
+  for (const [colour, wide] of /** @type {[string, number][]} */ ([[c.card, 5], [c.text, 2]])) {
+    g.beginPath();
+    g.moveTo(width / 2 - 14, height / 2);
+    g.lineTo(width / 2 + 14, height / 2);
+    g.moveTo(width / 2, height / 2 - 14);
+    g.lineTo(width / 2, height / 2 + 14);
+    g.strokeStyle = colour;
+    g.lineWidth = wide;
+    g.stroke();
+  }
+}
+
 /**
  * @param {CanvasRenderingContext2D} g
  * @param {MapView} view
- * @param {import("./wire.js").Live} live
+ * @param {import("./store.js").Store} store
  * @param {import("./wire.js").Scene} scene
  * @param {Record<string, string>} c
  */
-function drawLive(g, view, live, scene, c) {
+function drawLive(g, view, store, scene, c) {
+  const { live } = store;
   fillAll(g, view, live.furniture, c.furniture, c["furniture-line"]);
-  drawNames(g, view, scene, c);
+  drawNames(g, view, store, scene, c);
   g.fillStyle = c.lidar;
   const lidar = live.lidar ?? [];
   for (let i = 0; i + 1 < lidar.length; i += 2) {
@@ -415,7 +490,7 @@ function drawLive(g, view, live, scene, c) {
     const [x, y] = view.toScreen(thing.x, thing.y);
     g.fillStyle = c.accent;
     g.fillRect(x - 5, y - 5, 10, 10);
-    label(g, thing.label ?? thing.name, x, y - 14, c.text, c.floor);
+    label(g, store.called(thing), x, y - 14, c.text, c.floor);
   }
   if (live.pose) drawRobot(g, view, live.pose, scene.radius ?? 0.2, c);
 }
@@ -426,14 +501,14 @@ function middle(outline) {
   return [half(outline.map((p) => p[0])), half(outline.map((p) => p[1]))];
 }
 
-/** @param {CanvasRenderingContext2D} g @param {MapView} view @param {import("./wire.js").Scene} scene @param {Record<string, string>} c */
-function drawNames(g, view, scene, c) {
+/** @param {CanvasRenderingContext2D} g @param {MapView} view @param {import("./store.js").Store} store @param {import("./wire.js").Scene} scene @param {Record<string, string>} c */
+function drawNames(g, view, store, scene, c) {
   g.textAlign = "center";
   g.textBaseline = "middle";
   g.font = "600 13px system-ui, sans-serif";
   for (const room of scene.rooms ?? []) {
     const at = room.outline?.length ? middle(room.outline) : room.goal;
-    if (at) label(g, room.label ?? room.name, ...view.toScreen(at[0], at[1]), c.quiet, c.room);
+    if (at) label(g, store.called(room), ...view.toScreen(at[0], at[1]), c.quiet, c.room);
   }
   g.font = "12px system-ui, sans-serif";
   for (const place of scene.places ?? []) {
@@ -442,7 +517,7 @@ function drawNames(g, view, scene, c) {
     g.beginPath();
     g.arc(x, y, 4, 0, 2 * Math.PI);
     g.fill();
-    label(g, place.label ?? place.name, x, y - 12, c.text, c.floor);
+    label(g, store.called(place), x, y - 12, c.text, c.floor);
   }
 }
 

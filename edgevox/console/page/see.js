@@ -33,7 +33,7 @@ export function seePanel(store, link, speech) {
     shown = now;
     showGoal(goal, progress, store.live.goal);
     showJoints(joints, store.live.joints);
-    facts.replaceChildren(...factsOf(store.live).map(([name, value]) =>
+    facts.replaceChildren(...factsOf(store).map(([name, value]) =>
       h("div", { class: "fact" }, h("span", { class: "quiet" }, name), h("strong", { dir: "auto" }, value))));
   });
   return panel;
@@ -61,18 +61,19 @@ function showJoints(box, joints) {
   });
 }
 
-/** @param {import("./wire.js").Live} live @returns {[string, string][]} */
-function factsOf(live) {
+/** @param {import("./store.js").Store} store @returns {[string, string][]} */
+function factsOf(store) {
+  const { live } = store;
   /** @type {[string, string][]} */
   const facts = [];
   if (live.velocity) facts.push([say("speed"), `${number(Math.abs(live.velocity.linear), 2)} m/s`]);
   if (live.pose) facts.push([say("place"), `${number(live.pose.x)}, ${number(live.pose.y)} m`]);
   if (live.hand) {
     const open = typeof live.hand.open === "number" ? live.hand.open > 0.5 : live.hand.open;
-    facts.push([say("hand"), live.hand.holding || say(open ? "hand_open" : "hand_closed")]);
+    facts.push([say("hand"), live.hand.holding ? store.called({ name: live.hand.holding }) : say(open ? "hand_open" : "hand_closed")]);
   }
   for (const thing of live.things ?? [])
-    facts.push([thing.label ?? thing.name, thing.held ? say("held") : `${number(thing.x, 2)}, ${number(thing.y, 2)} m`]);
+    facts.push([store.called(thing), thing.held ? say("held") : `${number(thing.x, 2)}, ${number(thing.y, 2)} m`]);
   return facts;
 }
 

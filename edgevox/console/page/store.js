@@ -3,6 +3,9 @@
 /** @typedef {import("./wire.js")} _ */
 /** @typedef {"waiting" | "ready" | "gone" | "out"} LinkState */
 
+/** Slower than this, in m/s or rad/s, the robot stands. */
+const STILL = 0.02;
+
 /** What every part of the page reads. Only `Link` and `main` write it. */
 export class Store {
   constructor() {
@@ -15,6 +18,10 @@ export class Store {
     this.capabilities = {};
     /** @type {import("./wire.js").Skill[]} */
     this.skills = [];
+    /** What places, things and other words of the robot are called in the page's language. @type {Record<string, string>} */
+    this.words = {};
+    /** What arguments are called in the page's language. @type {Record<string, string>} */
+    this.arguments = {};
     /** @type {import("./wire.js").Controls} */
     this.controls = {};
     /** @type {import("./wire.js").Lease} */
@@ -45,6 +52,25 @@ export class Store {
   /** Whether a command of this page would be taken just now. */
   get may() {
     return this.commands || this.free;
+  }
+
+  /** Whether the robot is on its way or moves. */
+  get moves() {
+    const { goal, velocity } = this.live;
+    return Boolean(goal) || Math.abs(velocity?.linear ?? 0) > STILL || Math.abs(velocity?.angular ?? 0) > STILL;
+  }
+
+  /** What a place, a thing or another word of the robot is called. @param {{name?: string, label?: string}} one */
+  called({ name = "", label }) {
+    return this.words[name] ?? label ?? name.replaceAll("_", " ");
+  }
+
+  /** What a call of a skill does, in the page's words. @param {string} name @param {Record<string, any>} [given] */
+  doing(name, given = {}) {
+    const values = Object.entries(given).map(([argument, value]) => typeof value === "string"
+      ? this.called({ name: value }) : `${this.arguments[argument] ?? argument.replaceAll("_", " ")} ${value}`);
+    const label = this.skills.find((one) => one.name === name)?.label || name.replaceAll("_", " ");
+    return values.length ? `${label}: ${values.join(", ")}` : label;
   }
 
   /**
@@ -84,6 +110,8 @@ export class Store {
     this.client = hello.client ?? "";
     this.capabilities = hello.capabilities ?? {};
     this.skills = hello.skills ?? [];
+    this.words = hello.words ?? {};
+    this.arguments = hello.arguments ?? {};
     this.controls = { languages: hello.languages ?? [], ...hello.controls };
     this.lease = hello.lease ?? {};
     this.stop = hello.stop ?? { engaged: false };

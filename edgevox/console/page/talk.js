@@ -13,15 +13,19 @@ const TOLD_OUTCOMES = ["answered", "asked", "refused", "interrupted", "failed", 
 class Turn {
   constructor() {
     this.heard = h("p", { class: "bubble mine", dir: "auto", hidden: true });
-    this.notes = h("p", { class: "notes", hidden: true });
+    this.notes = h("p", { class: "notes", dir: "auto", hidden: true });
+    this.reasons = h("p", { class: "quiet", dir: "auto" });
+    this.why = h("details", { class: "why", hidden: true }, h("summary", {}, say("why")), this.reasons);
     this.answer = h("p", { class: "bubble robots", dir: "auto", hidden: true });
     this.detail = h("p", { class: "detail", dir: "auto", hidden: true });
-    this.element = h("div", { class: "turn" }, this.heard, this.notes, this.answer, this.detail);
+    this.element = h("div", { class: "turn" }, this.heard, this.notes, this.why, this.answer, this.detail);
     this.whole = "";
     /** Whether it was told what its words were understood as. */
     this.decided = false;
     /** @type {Set<string>} */
     this.noted = new Set();
+    /** How its words were understood. @type {Set<string>} */
+    this.explained = new Set();
   }
 
   /** @param {HTMLElement} part @param {string} text */
@@ -34,6 +38,13 @@ class Turn {
   note(text) {
     if (text) this.noted.add(text);
     this.fill(this.notes, [...this.noted].join(" \u00b7 "));
+  }
+
+  /** @param {string} text */
+  explain(text) {
+    if (text) this.explained.add(text);
+    this.reasons.textContent = [...this.explained].join(" \u00b7 ");
+    this.why.hidden = !this.explained.size;
   }
 
   /** Words that were not heard, and why. @param {"waiting" | "undone"} state @param {string} text */
@@ -116,8 +127,8 @@ export function talkPanel(store, link, speech) {
   const drop = () => change(() => {
     for (const turn of unheard) turn.unheard("undone", say("said_dropped"));
   });
-  store.on("talk", (message) => change(() => tellTurn(turnOf, message)));
-  store.on("event", (event) => change(() => noteEvent(turns.get(event.turn), event)));
+  store.on("talk", (message) => change(() => tellTurn(store, turnOf, message)));
+  store.on("event", (event) => change(() => noteEvent(store, turns.get(event.turn), event)));
   store.on("event", (event) => event.kind === "safety_preempt" && drop());
   store.on("stop", ({ engaged }) => engaged && drop());
   store.on("hello", ({ talk = [] }) => {
@@ -229,15 +240,15 @@ function forgetOldest(turns) {
   turns.delete(key);
 }
 
-/** @param {(message: any) => Turn} turnOf @param {any} message */
-function tellTurn(turnOf, message) {
+/** @param {import("./store.js").Store} store @param {(message: any) => Turn} turnOf @param {any} message */
+function tellTurn(store, turnOf, message) {
   const { kind, text } = message;
   if (!["heard", "token", "response", "refused", "decided", "turn_ended"].includes(kind)) return;
   if (kind === "turn_ended" && !TOLD_OUTCOMES.includes(message.outcome)) return;
   const turn = turnOf(message);
   if (kind === "heard") {
     turn.fill(turn.heard, text);
-    if (typeof message.confidence === "number") turn.note(say("heard_sure", { percent: percent(message.confidence) }));
+    if (typeof message.confidence === "number") turn.explain(say("heard_sure", { percent: percent(message.confidence) }));
   }
   else if (kind === "token") turn.fill(turn.answer, (turn.whole += text));
   else if (kind === "response") {
@@ -246,10 +257,7 @@ function tellTurn(turnOf, message) {
     turn.element.classList.toggle("cut", Boolean(message.cut));
   } else if (kind === "refused") turn.note(say("refused", { why: text }));
   else if (kind === "turn_ended") tellOutcome(turn, message);
-  else {
-    turn.decided = true;
-    turn.note(decision(message.stage, message.confidence, message.calls.map(called).join(", ")));
-  }
+  else tellDecision(store, turn, message.calls, message.stage, message.confidence);
 }
 
 /** What became of it; that it was answered only where nothing else was decided. @param {Turn} turn @param {any} message */
@@ -258,24 +266,33 @@ function tellOutcome(turn, { outcome, stage }) {
   else if (!turn.decided) turn.note([say("outcome_answered"), stage && sayOr(`stage_${stage}`, stage)].filter(Boolean).join(" · "));
 }
 
-/** @param {{skill: string, arguments?: Record<string, any>}} call */
-const called = (call) => isolated(`${call.skill}(${Object.values(call.arguments ?? {}).join(", ")})`);
+/**
+ * What its words were understood as, and behind that how.
+ * @param {import("./store.js").Store} store
+ * @param {Turn} turn
+ * @param {{skill: string, arguments?: Record<string, any>}[]} calls
+ * @param {string} stage
+ * @param {number} [sure]
+ */
+function tellDecision(store, turn, calls, stage, sure) {
+  turn.decided = true;
+  turn.note(calls.map((one) => isolated(store.doing(one.skill, one.arguments))).join(" \u00b7 "));
+  for (const one of calls) turn.explain(isolated(`${one.skill}(${Object.values(one.arguments ?? {}).join(", ")})`));
+  turn.explain(sayOr(`stage_${stage}`, stage));
+  if (typeof sure === "number") turn.explain(say("sure", { percent: percent(sure) }));
+}
 
 /** @param {number} part */
 const percent = (part) => number(100 * part, 0);
 
-/** @param {string} stage @param {number | undefined} sure @param {string} [text] */
-function decision(stage, sure, text = "") {
-  const parts = [text, sayOr(`stage_${stage}`, stage)];
-  if (typeof sure === "number") parts.push(say("sure", { percent: percent(sure) }));
-  return parts.filter(Boolean).join(" · ");
-}
-
-/** What is done though no words of its turn were understood as it, such as after a yes. @param {Turn | undefined} turn @param {any} event */
-function noteEvent(turn, event) {
-  if (event.kind !== "tool_call" || !turn || turn.decided) return;
-  turn.decided = true;
-  turn.note(decision(event.source, undefined, called(event)));
+/**
+ * What is done though no words of its turn were understood as it, such as after a yes.
+ * @param {import("./store.js").Store} store
+ * @param {Turn | undefined} turn
+ * @param {any} event
+ */
+function noteEvent(store, turn, event) {
+  if (event.kind === "tool_call" && turn && !turn.decided) tellDecision(store, turn, [event], event.source);
 }
 
 /**

@@ -71,7 +71,7 @@ export function soundButtons(store, speech) {
   const why = h("p", { class: "quiet small-text", role: "status" });
   const open = toggle("waves", say("open_microphone"), (on) => speech.speak(on, (s) => s.open(on)));
   const hear = toggle("ear", say("hear_here"), (on) => speech.use((s) => s.hear(on)));
-  const box = h("div", { class: "sound" }, h("div", { class: "row tight" }, holdToTalk(store, speech), open, hear), why);
+  const box = h("div", { class: "sound" }, h("div", { class: "row tight" }, holdToTalk(store, speech), named(open), named(hear)), why);
   store.on("sound", (broken) => {
     why.textContent = speech.why;
     if (broken) open.setAttribute("aria-pressed", "false"); // it never goes on by itself
@@ -121,6 +121,9 @@ export function holdToTalk(store, speech) {
   for (const type of ["hello", "lease", "link"]) store.on(type, show);
   return button;
 }
+
+/** A round button with its name below it. @param {HTMLButtonElement} button */
+const named = (button) => h("div", { class: "named" }, button, h("span", { "aria-hidden": "true" }, button.title));
 
 /**
  * @param {string} name of its sign

@@ -20,7 +20,7 @@
  *   minimum?: number, maximum?: number, exclusiveMinimum?: number, exclusiveMaximum?: number,
  *   maxLength?: number, default?: any, anyOf?: Schema[], allOf?: Schema[], $ref?: string,
  *   properties?: Record<string, Schema>, required?: string[], $defs?: Record<string, Schema>}} Schema
- * @typedef {{name: string, label?: string, description?: string, schema: Schema, moves?: boolean,
+ * @typedef {{name: string, label?: string, language?: string, description?: string, schema: Schema, moves?: boolean,
  *   lasting?: boolean, allowed?: boolean, why?: string}} Skill
  * @typedef {{linear?: number, angular?: number}} DriveLimits  m/s, rad/s
  * @typedef {{picture?: boolean, drive?: boolean | DriveLimits, sound?: boolean, map?: boolean,

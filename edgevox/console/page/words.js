@@ -17,6 +17,9 @@ let code = "en";
 /** The language of the page, by its code. */
 export const language = () => code;
 
+/** A language if it is not the page's, for the attribute `lang`. @param {string} [one] */
+export const foreign = (one) => (one && one !== code ? one : null);
+
 function wanted() {
   const kept = localStorage.getItem(KEPT);
   const asked = [kept, ...navigator.languages.map((one) => one.split("-")[0])];
