@@ -130,7 +130,7 @@ def test_what_forgets_chooses_nothing_by_itself_and_asks_first(browser: Browser,
         expect(asked).to_have_count(0)
         page.get_by_label("place", exact=True).select_option(label="shelf")
         run.click()
-        expect(asked).to_contain_text("forget a place shelf? This cannot be undone.")
+        expect(asked).to_contain_text("forget a place: shelf? This cannot be undone.")
         asked.get_by_role("button", name="No").click()
         assert rig.submitted == []
         run.click()
