@@ -429,13 +429,12 @@ def test_a_long_name_leaves_the_page_as_wide_as_the_phone(opens: Opens, robot: R
 
 @pytest.mark.parametrize(
     "part",
-    ["store.js"]
-    + [pytest.param(one, marks=pytest.mark.long) for one in ("style/all.css", "languages/de.json")],
+    ["store.js", pytest.param("style/all.css", marks=pytest.mark.long)],
 )
 def test_a_page_whose_parts_did_not_all_come_is_loaded_again(
     opens: Opens, robot: Robot, part: str
 ) -> None:
     robot.breaks = [f"/{part}"]
-    page = opens(command=False, locale="de-DE", extra_http_headers={"Accept-Language": "en"})
+    page = opens(command=False, locale="de-DE")
     until(page, lambda: robot.loads == 2)
     page.locator("html[data-link=ready]").wait_for()
