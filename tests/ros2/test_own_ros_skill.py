@@ -91,4 +91,5 @@ def test_skills_of_a_robot_file_and_of_a_package_go_together(agent):
     one = agent(f"--robot-file={ROBOT_FILE}", "--check", robot="robot-external", wait=False)
     one.wait_for_line("temperature:")
     one.wait_for_line("sound_horn: Sound the horn once.")
-    assert one.process.wait(HUNG_S) == 0
+    one.wait_for_line("vacuum is off: ")
+    assert one.process.wait(HUNG_S) == 1
