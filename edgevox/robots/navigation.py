@@ -4,7 +4,7 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
-from typing import Annotated, Protocol, runtime_checkable
+from typing import Annotated, Any, Protocol, runtime_checkable
 
 from pydantic import Field
 
@@ -121,9 +121,14 @@ def _navigate_to(
         """Drive to a known location of the map."""
         return _go(body, goal, location, word, memory)
 
-    navigate_to: Callable[..., Result] = navigate_to_room if word is ROOM else navigate_to_location
-    navigate_to.__name__ = "navigate_to"
-    return skill(examples=_hints_in_turn(known.fixed, hints, word))(navigate_to)
+    navigate_to = navigate_to_room if word is ROOM else navigate_to_location
+    return _named("navigate_to", navigate_to, examples=_hints_in_turn(known.fixed, hints, word))
+
+
+def _named(name: str, run: Callable[..., Result], **about: Any) -> Skill:
+    """Return a skill of this name; its function has another one for its place's word."""
+    run.__name__ = name
+    return skill(**about)(run)
 
 
 def _go(
@@ -156,9 +161,8 @@ def _turn_towards(
         """Turn on the spot, to look to where a known location is."""
         return _turn(body, goal, location, word, memory)
 
-    turn_towards: Callable[..., Result] = towards_room if word is ROOM else towards_location
-    turn_towards.__name__ = "turn_towards"
-    return skill(plainly=True)(turn_towards)
+    towards = towards_room if word is ROOM else towards_location
+    return _named("turn_towards", towards, plainly=True)
 
 
 def _turn(

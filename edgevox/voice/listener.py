@@ -364,9 +364,9 @@ class Listener:
         job = self._job(speech)
         if job is None:
             return
-        if not job.unaddressed:
+        if self._wakeword is not None and not job.unaddressed:
             self._person_db = loudness_db(speech.samples)
-            if not self._is_addressed(speech.began_s):
+            if not self._is_pressed(speech.began_s):
                 self._wake_gate.take(speech)
         self._understand(job)
 

@@ -8,6 +8,7 @@ import pytest
 from agent_process import READY, Agent
 from halting import settle
 from peer import Peer
+from robot_file_rig import lasting
 
 
 @pytest.fixture(scope="module", autouse=True)
@@ -88,3 +89,17 @@ def robot(neighbour):
     """Who talks to the shared agent; whatever is asked for in a test is over after it."""
     yield neighbour
     settle(neighbour)
+
+
+@pytest.fixture(scope="module")
+def interface_robot(resident):
+    """The robot of `interface_robot.py`, beside the shared agent, and what it is asked."""
+    with lasting(resident.domain) as asked:
+        yield asked
+
+
+@pytest.fixture
+def asked(interface_robot, robot):
+    """What the interface robot is asked in this test; it obeys again."""
+    interface_robot.anew()
+    return interface_robot

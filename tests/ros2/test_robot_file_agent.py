@@ -4,24 +4,12 @@ import phrases
 import pytest
 from action_rig import Client
 from guards import HUNG_S
-from robot_file_rig import ROBOT_FILE, Talk, lasting
+from robot_file_rig import ROBOT_FILE, Talk
 
 
 @pytest.fixture(scope="module")
 def resident(shared):
     return shared(f"--robot-file={ROBOT_FILE}", robot="robot-external")
-
-
-@pytest.fixture(scope="module")
-def interface_robot(resident):
-    with lasting(resident.domain) as asked:
-        yield asked
-
-
-@pytest.fixture
-def asked(interface_robot, robot):
-    interface_robot.anew()
-    return interface_robot
 
 
 @pytest.fixture
@@ -38,7 +26,7 @@ def test_all_that_the_robot_can_do_is_done_by_sentences(say, asked):
     say("how warm are you", "It is 41.26 degrees.")
     say("dock into slot 4", "I am in slot 3.")
     asked.wait("dock", ["slot 4", "{}"])
-    say("vacuum", "not understand")
+    say("vacuum", "I cannot do housework.")
     asked.do("hang")
     say("dock", "Docking.")
     asked.wait("dock", ["slot 3", "{}"])

@@ -2,7 +2,7 @@
 
 import phrases
 import pytest
-from robot_file_rig import NAMESPACE, Talk, lasting
+from robot_file_rig import NAMESPACE, Talk
 
 FILE = f"""
 namespace: {NAMESPACE}
@@ -41,18 +41,6 @@ def resident(shared, tmp_path_factory):
     file = tmp_path_factory.mktemp("state") / "robot.yaml"
     file.write_text(FILE)
     return shared(f"--robot-file={file}", robot="robot-external")
-
-
-@pytest.fixture(scope="module")
-def interface_robot(resident):
-    with lasting(resident.domain) as asked:
-        yield asked
-
-
-@pytest.fixture
-def asked(interface_robot, robot):
-    interface_robot.anew()
-    return interface_robot
 
 
 @pytest.fixture

@@ -1,4 +1,4 @@
-"""The full-screen terminal's widgets: lines that wrap anew, the input line, help, and keys.
+"""The full-screen terminal's widgets: lines that wrap again, the input line, help, and keys.
 
 Beside the conversation stand robot, state and latencies, as text in colours of the theme
 (`$text-success`). Every text has a contrast of at least 4.5 to its background, on dark and on light
@@ -41,7 +41,7 @@ SHORTEST = 2
 
 
 class Lines(RichLog):
-    """Lines that wrap anew when their width changes; the end stays in sight.
+    """Lines that wrap again when their width changes; the end stays in sight.
 
     A `folded` traceback is its first line and its last, which names the error.
     """
@@ -70,7 +70,7 @@ class Lines(RichLog):
 
     @on(Resize)
     def _wrap(self) -> None:
-        """Wrap all lines anew."""
+        """Wrap all lines again, at the width of now."""
         width, self._width = self._width, self.scrollable_content_region.width
         if width != self._width:
             self._draw_all()

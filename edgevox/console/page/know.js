@@ -171,7 +171,7 @@ export function recordingPart(store, link) {
     failed.hidden = !why;
     failed.textContent = why && say("record_failed", { why });
     const listed = JSON.stringify([kept, store.role, store.may]);
-    if (listed === shown) return; // what is drawn anew loses the keyboard
+    if (listed === shown) return; // what is redrawn loses the focus
     shown = listed;
     files.replaceChildren(...(store.role === "operator" ? kept : []).map((one) => recordingRow(one, store, link)));
   };

@@ -145,7 +145,7 @@ class PymunkEngine:
         self._build(world.robot.start, [thing.pose for thing in world.movable])
 
     def put(self, robot: Pose2D, movable: Sequence[Pose2D]) -> None:
-        """Build the space anew, so that nothing of before is left in it, however it broke."""
+        """Build a new space: nothing of the old one is left, however it broke."""
         self._build(robot, movable)
 
     def _build(self, robot: Pose2D, movable: Sequence[Pose2D]) -> None:
