@@ -70,6 +70,26 @@ def test_back_in_its_middle_the_stick_is_let_go_once(opens: Opens, robot: Robot)
     assert still(robot) == robot.commands("drive")[-1:]
 
 
+def test_the_stick_stands_still_when_a_goal_or_what_is_known_of_the_robot_comes_or_goes(
+    opens: Opens, robot: Robot
+) -> None:
+    robot.live = {"type": "live"}
+    page = opens()
+    before = page.locator(".stick").bounding_box()
+    robot.live = {
+        "goal": {"distance": 3.0, "progress": 0.5},
+        "velocity": {"linear": 0.3, "angular": 0.0},
+        "pose": {"x": 1.0, "y": 2.0, "heading": 0.0},
+        "hand": {"open": True, "holding": ""},
+    }
+    page.locator(".goal").wait_for()
+    assert page.locator(".fact").count() == 3
+    assert page.locator(".stick").bounding_box() == before
+    robot.live = {}
+    page.locator(".goal").wait_for(state="hidden")
+    assert page.locator(".stick").bounding_box() == before
+
+
 def test_lost_focus_halts(opens: Opens, robot: Robot) -> None:
     page = opens()
     hold(page)

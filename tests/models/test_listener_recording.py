@@ -23,6 +23,7 @@ def test_a_quiet_voice_is_heard_while_the_robot_speaks_loudly(tmp_path):
         stt=SimpleNamespace(transcribe=lambda *_: Transcript("go to the bedroom")),
         sink=SimpleNamespace(audible=lambda: 0.5),
         speech_output=SimpleNamespace(saying=lambda: ""),
+        hearing=SimpleNamespace(stop_for=lambda _: None, stop_stt=None),
         wakeword=None,
         played=None,
     )
@@ -34,6 +35,7 @@ def test_a_quiet_voice_is_heard_while_the_robot_speaks_loudly(tmp_path):
         SimpleNamespace(language="en", muted=False),
         submit=said.append,
         is_stop=lambda _: False,
+        follow_up=SimpleNamespace(awaits=lambda *_: False),
         ending=lambda _: Ending.OPEN,
     )
     listener.start()

@@ -14,7 +14,7 @@ from voice_engines import voice
 
 from edgevox.core.bus import Bus
 from edgevox.core.cancel import CancelToken
-from edgevox.core.commands import Interrupt
+from edgevox.core.commands import Heard, Interrupt, SpokenOver
 from edgevox.voice.audio import FRAME_SAMPLES, RATE_HZ, EndOfSound, Frame
 from edgevox.voice.listener import Listener
 from edgevox.voice.sentence_synthesiser import SentenceSynthesiser
@@ -51,7 +51,7 @@ class EchoingRoom:
     def __init__(self, person, echo_db):
         self.person, self.echo = person, 10 ** (echo_db / 20)
         self.now_s, self.played_s, self.played = 0.0, 0.0, np.zeros(40 * RATE_HZ)
-        self._heard_frames = 0
+        self._heard_frames, self._passing, self.silent = 0, threading.Lock(), None
         self._frame, self._closed, self._changed = None, False, threading.Condition()
 
     # the clock, and what the loudspeaker waits with
@@ -60,11 +60,22 @@ class EchoingRoom:
         return self.now_s
 
     def wait(self, token, seconds):
-        self.now_s += seconds
-        while (self._heard_frames + 1) * FRAME_SAMPLES / RATE_HZ <= self.now_s:
-            self._hear(self._heard_frames)
-            self._heard_frames += 1
+        with self._passing:
+            self.now_s += seconds
+            while (self._heard_frames + 1) * FRAME_SAMPLES / RATE_HZ <= self.now_s:
+                self._hear(self._heard_frames)
+                self._heard_frames += 1
         return token.cancelled
+
+    def goes_on(self, token):
+        """Its time passes while nothing is played."""
+
+        def pass_time():
+            while not self.wait(token, self.block_s):
+                pass
+
+        self.silent = threading.Thread(target=pass_time)
+        self.silent.start()
 
     # the loudspeaker
 
@@ -125,9 +136,15 @@ def speak_in(pool):
         )
 
         def submit(command):
-            if isinstance(command, Interrupt):
-                said.append(room.now_s)
-                token.cancel(command.reason)
+            match command:
+                case SpokenOver():
+                    said.append(room.now_s)
+                    speech_output.hold()
+                    room.goes_on(token)
+                case Interrupt(reason=reason):
+                    token.cancel(reason)
+                case Heard(over=True):
+                    token.cancel("spoken over")
 
         listener = Listener(
             room,
@@ -145,6 +162,8 @@ def speak_in(pool):
         utterance = speech_output.begin(token, lambda: None)
         utterance.say(ANSWER)
         spoken = utterance.finish()
+        if room.silent:
+            room.silent.join()
         listener.close()
         speech_output.close()
         sink.close()

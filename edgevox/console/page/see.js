@@ -20,7 +20,9 @@ export function seePanel(store, link, speech) {
   const goal = h("div", { class: "goal row tight", hidden: true }, progress, h("span", { class: "quiet" }));
   const joints = h("div", { class: "joints", hidden: true });
   const steer = h("div", { class: "steer" }, joystick(store, link), holdToTalk(store, speech));
-  const panel = h("section", { class: "card see-card" }, h("div", { class: "views" }, map, pictureCard(store), steer), goal, joints, facts);
+  // What steers stands last, at an edge: it never moves under a finger when a goal or a fact comes or goes.
+  const panel = h("section", { class: "card see-card" },
+    h("div", { class: "seen" }, h("div", { class: "views" }, map, pictureCard(store)), goal, joints, facts), steer);
   const arrange = () => {
     map.hidden = store.capabilities.map === false || (!store.scene && !store.capabilities.map);
     panel.hidden = map.hidden && !store.capabilities.picture && !store.capabilities.drive && !store.live.joints;

@@ -164,7 +164,7 @@ class GoalInput:
         if not all(map(math.isfinite, astuple(pose))):
             raise InvalidValue("pose", astuple(pose), "finite numbers", Refusal.NOT_FINITE)
         turn = (pose.qx, pose.qy, pose.qz, pose.qw)
-        if any(turn) and abs(math.hypot(*turn) - 1.0) > OFF_UNIT:  # all zero: none was given
+        if abs(math.hypot(*turn) - 1.0) > OFF_UNIT:
             raise InvalidValue("orientation", turn, "a quaternion of length 1")
         frame = message.header.frame_id
         if not frame:
