@@ -74,10 +74,11 @@
   # As in compose/recordings.yml. What has its own name is whole and never changes.
   args:
     - >-
-      touch /tmp/ended; while true; do
+      touch /tmp/ended; while true; do echo "$UPLOAD_EVERY_S" >/tmp/began;
       if rclone --config /run/secrets/rclone/rclone.conf "$UPLOAD_VERB" /recordings "$UPLOAD_TO"
       --include '*.{mcap,yaml}' --immutable --s3-no-check-bucket --log-level NOTICE --max-duration 30m;
-      then rm -f /recordings/upload.failed; else touch /recordings/upload.failed; fi;
+      then rm -f /recordings/upload.failed && cp -p /tmp/began /recordings/upload.done;
+      else touch /recordings/upload.failed; fi || exit 1;
       touch /tmp/ended; sleep "$UPLOAD_EVERY_S"; done
   env:
     - {name: UPLOAD_VERB, value: {{ ternary "move" "copy" $upload.move }}}
