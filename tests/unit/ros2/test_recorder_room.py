@@ -155,7 +155,42 @@ def test_a_ring_gives_the_disk_back_one_file_every_few_seconds(rig_of, tmp_path)
     assert rig.room.find() == ""
     assert left(tmp_path) == []
     rig.clock.advance(COUNT_S)
-    assert rig.room.find() == "the disk is full: 0 MB are left, 0 MB are for others"
+    assert rig.room.find() == "the disk is full: 0 MB are left, 0 MB are needed"
+
+
+@pytest.mark.parametrize("when_full", list(WhenFull))
+def test_a_recording_that_others_leave_no_room_stops_once_and_keeps_what_it_has(
+    tmp_path, when_full
+):
+    """And goes on once, although they go on writing around what is to be spared."""
+    clock, free, inbox = HeldClock(100.0), SPARE_BYTES, WriteQueue()
+    disk = Disk(tmp_path / NOW, 1 << 30, SPARE_BYTES, None, when_full)
+    writing = Writing(inbox, disk, clock=clock, free_bytes=lambda _: free, flush_s=0.0)
+    stopped = []
+
+    def look(times=20):
+        for number in range(times):
+            inbox.put(said(number))
+            writing.look()
+            stopped.append(bool(writing.fault))
+            clock.advance(1.0)
+
+    look()
+    free = SPARE_BYTES - 1
+    look()
+    for wobble in range(20):
+        free = SPARE_BYTES - 100 + 10 * wobble
+        look(1)
+    assert stopped[:20] == [False] * 20
+    assert stopped[20:] == [True] * 40
+    assert left(tmp_path) == ["120000_0.mcap"]
+    free = 2 * SPARE_BYTES
+    look()
+    free = SPARE_BYTES
+    look()
+    assert not any(stopped[65:])
+    writing.bag.close()
+    assert len(left(tmp_path)) == 2
 
 
 @pytest.mark.parametrize("when_full", [WhenFull.WAIT, WhenFull.END])
