@@ -78,8 +78,8 @@
       if rclone --config /run/secrets/rclone/rclone.conf "$UPLOAD_VERB" /recordings "$UPLOAD_TO"
       --include '*.{mcap,yaml}' --immutable --s3-no-check-bucket --log-level NOTICE --max-duration 30m;
       then rm -f /recordings/upload.failed && cp -p /tmp/began /recordings/upload.done;
-      else touch /recordings/upload.failed; fi || exit 1;
-      touch /tmp/ended; sleep "$UPLOAD_EVERY_S"; done
+      else touch /recordings/upload.failed; fi; noted=$?;
+      touch /tmp/ended; sleep "$UPLOAD_EVERY_S"; [ $noted -eq 0 ] || exit 1; done
   env:
     - {name: UPLOAD_VERB, value: {{ ternary "move" "copy" $upload.move }}}
     - {name: UPLOAD_TO, value: {{ printf "%s/%s" (trimSuffix "/" $upload.to) .robot.name | quote }}}

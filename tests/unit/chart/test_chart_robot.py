@@ -298,6 +298,7 @@ def loop_in(made: dict[str, Any], tmp: Path, recordings: Path) -> str:
 def test_an_upload_that_cannot_leave_its_notes_ends_with_their_reason(tmp_path, rclone) -> None:
     (made,) = upload_of(ONE | UPLOAD)
     (tmp_path / "rclone").symlink_to(f"/bin/{rclone}")
+    (tmp_path / "sleep").symlink_to("/bin/true")
     given = {one["name"]: one["value"] for one in made["env"]}
     given |= {"PATH": f"{tmp_path}:{os.environ['PATH']}"}
     loop = loop_in(made, tmp_path, Path("/proc/self/recordings"))  # where nobody makes a file
