@@ -292,12 +292,25 @@ def test_a_ring_goes_on_for_ever_in_the_room_that_it_has(robot, recorder, far):
 
 
 @pytest.mark.long
-def test_a_disk_that_takes_no_more_is_said_and_costs_no_more_than_the_exit_code(recorder):
+def test_a_disk_that_takes_no_more_is_said_and_costs_no_more_than_the_exit_code(robot, recorder):
     def small_files():
         resource.setrlimit(resource.RLIMIT_FSIZE, (60_000, 60_000))
 
+    heard = Heard()
+    robot.node.create_subscription(DiagnosticArray, "/diagnostics", heard.add, RELIABLE)
     one = recorder(preexec_fn=small_files)
     one.wait_until_it_says("recording_stopped")
+    for level, said in (
+        (DiagnosticStatus.ERROR, "File too large"),
+        (DiagnosticStatus.ERROR, "lost by now: the log has the reason (messages_not_recorded)"),
+    ):
+        heard.wait_for(
+            lambda array, level=level, said=said: any(
+                one.name == "/edgevox/edgevox: recorder"
+                and (one.level, said in one.message) == (level, True)
+                for one in array.status
+            )
+        )
     assert one.end() == 74
     assert any("recording_stopped" in line and "File too large" in line for line in one.lines)
     assert one.lines[-1].startswith("edgevox-recorder: not all was recorded: ")

@@ -76,7 +76,8 @@
     - >-
       touch /tmp/ended; while true; do echo "$UPLOAD_EVERY_S" >/tmp/began;
       if rclone --config /run/secrets/rclone/rclone.conf "$UPLOAD_VERB" /recordings "$UPLOAD_TO"
-      --include '*.{mcap,yaml}' --immutable --s3-no-check-bucket --log-level NOTICE --max-duration 30m;
+      --include '*.{mcap,yaml}' --immutable --s3-no-check-bucket --log-level NOTICE --max-duration 30m
+      --retries 1 --low-level-retries 5 --contimeout 15s;
       then rm -f /recordings/upload.failed && cp -p /tmp/began /recordings/upload.done;
       else touch /recordings/upload.failed; fi; noted=$?;
       touch /tmp/ended; sleep "$UPLOAD_EVERY_S"; [ $noted -eq 0 ] || exit 1; done
