@@ -72,6 +72,16 @@ def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Scheduling |
     return Scheduling(config, log) if config.getoption("dist") == "loadfile" else None
 
 
+@pytest.fixture(autouse=True)
+def _environment_of_its_own() -> Iterator[None]:
+    """A program that a test runs in this process may set variables; the next test has others."""
+    before = dict(os.environ)
+    yield
+    for name in os.environ.keys() - before.keys():
+        del os.environ[name]
+    os.environ.update(before)
+
+
 @pytest.fixture(scope="module", autouse=True)
 def _memory_of_a_file_is_given_back() -> Iterator[None]:
     """A worker runs many files: what one has loaded must not stay until the end.
