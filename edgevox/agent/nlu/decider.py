@@ -282,6 +282,23 @@ class Readings:
                 )
         return None
 
+    def knows(self, text: str) -> bool:
+        """True if each word of a text, small ones aside, is used for a motion of these skills."""
+        self._renew()
+        lexicon, _ = self._readers[0]
+        tokens = _tokens(" ".join(text.split()), lexicon)
+        small = lexicon.index(lexicon.function_words.all()).places(tokens)
+        said = [one for at, one in enumerate(tokens) if at not in small and not is_mark(one)]
+        moving = [one for one in lexicon.skills.values() if one.moves]
+        known = {word for one in moving for word in lexicon.tokenize(lexicon.book.can(one))}
+        known |= {
+            word
+            for one in moving
+            for word, weight in lexicon.words[one.name].weights.items()
+            if weight >= _SPEAKS
+        }
+        return bool(moving) and known.issuperset(said)
+
     def objections(self, text: str) -> frozenset[str]:
         """What speaks against doing what these words name; empty if nothing does.
 
@@ -385,7 +402,7 @@ def _is_doubtful(judged: Judged, order: float) -> bool:
     """
     facts = judged.evidence
     guessed = any(part.guessed for part in judged.reading.parts)
-    if facts["strange_alone"] or guessed or judged.loses:
+    if facts["strange_alone"] or guessed or judged.loses or judged.reading.ambiguous:
         return True
     if not facts["moves"]:
         return False
