@@ -160,21 +160,23 @@ class Answers:
     def taken_back(self, text: str) -> Iterator[tuple[str, str, bool]]:
         """The text before and after words that take back what stands before them, the last first.
 
-        "Go to the kitchen, no, the office". Where "no" also means "not", it counts only alone
-        between marks. The third value is True if the words leave nothing of what was before.
+        "Go to the kitchen, no, the office". Where "no" also means "not", it counts only behind
+        or before a mark. The third value is True if the words leave nothing of what was before.
         """
         pieces = self._pieces(text)
         for start in reversed(range(1, len(pieces))):
             ends = range(min(len(pieces), start + _MOST_DENYING), start, -1)
-            said = {end: self._space.join(pieces[start:end]) for end in ends}
-            end = next((end for end, one in said.items() if self._is_taking_back(one)), None)
+            said = ((end, self._space.join(pieces[start:end])) for end in ends)
+            end = next((end for end, one in said if self._is_taking_back(one)), None)
             if end is None:
                 continue
-            after, words = self._space.join(pieces[end:]), said[end]
-            parted = not after or bool(_CLAUSE_END.match(words[-1:]))
+            before, words, after = map(
+                self._space.join, (pieces[:start], pieces[start:end], pieces[end:])
+            )
+            parted = bool(_CLAUSE_END.match((words if after else before)[-1:]))
             if parted or not self._also_negates(words):
-                denies = parted and self.read(words) is Answer.NO
-                yield self._space.join(pieces[:start]), after, denies
+                denies = (parted or not after) and self.read(words) is Answer.NO
+                yield before, after, denies
 
     def _is_taking_back(self, text: str) -> bool:
         found = {*chain.from_iterable(self._clauses(text, self._taking_back))}

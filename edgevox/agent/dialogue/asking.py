@@ -198,7 +198,7 @@ class Asking:
             return True
         if answer is Answer.NO and (self.question.asked or self._performer.moving):
             return True
-        if self._correction(text):
+        if self._correction(text) or (self._performer.moving and self._denies_drive(text)):
             return True
         plain = self._interpreter.plain(text)
         return isinstance(plain, Meaning) and plain.sure
@@ -228,7 +228,7 @@ class Asking:
         between = None if meaning else self._asked_between(text)
         if meaning is None:
             rest = text if between else self._unanswered(text)
-            taken_back = self._taken_back(rest)
+            taken_back = bool(rest) and self._taken_back(rest)
             if taken_back is True and self._performer.moving:
                 return self._stopped_for("", turn)
             if not rest or taken_back is True:

@@ -193,6 +193,9 @@ def _is_imperative(reading: Reading, lexicon: Lexicon) -> bool:
     return True
 
 
+_SAYS_AN_ABILITY = 2.0
+"""Least weight of the words for a motion that "can you ..." asks for, and not about."""
+
 _LEAST_MARGIN = 0.25
 """Least lead in weight over another skill; with less, the words choose neither skill."""
 
@@ -424,13 +427,14 @@ def _is_about_another_thing(reading: Reading, lexicon: Lexicon) -> bool:
 
 
 def _asks_about_another(reading: Reading, lexicon: Lexicon) -> bool:
-    """True if the words ask about an ability that the skills' words do not name.
+    """True if the words ask about an ability that the skills' words hardly name.
 
-    "Can you pick up a cube" asks no robot without hands to stand up.
+    "Can you walk" asks no arm to go home.
     """
     asks = lexicon.index(lexicon.function_words.abilities).starts(reading.tokens)
     return bool(asks) and any(
-        part.strange > 0 and not part.grounded
+        (not part.grounded or part.guessed)
+        and (part.strange > 0 or part.support < _SAYS_AN_ABILITY)
         for part in reading.parts
         if lexicon.skills[part.call.skill].moves
     )

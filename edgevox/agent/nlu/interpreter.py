@@ -143,12 +143,13 @@ class Interpreter:
 
         `said` are the same words with their false starts.
         """
-        if asked := self._asked(text):
+        whether = asks_whether(text, self._code)
+        if not whether and (asked := self._asked(text)):
             return self._taken(asked, turn)
         if cannot := self._cannot(text):
             turn.say(cannot, Outcome.REFUSED)
             return None
-        if asks_whether(text, self._code) and not _needs_model(self.active):
+        if whether and not _needs_model(self.active):
             self._say_ability(text, turn)
             return None
         of_robot = self._model is None and is_about_hearer(text, self._code)

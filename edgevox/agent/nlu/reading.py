@@ -62,7 +62,8 @@ class CallReader:
         self._filling = lexicon.index((*words.fillers, *words.urges, *joints, *words.corrections))
         self._negations = lexicon.index(words.negations)
         self._corrections = lexicon.index(words.corrections)
-        self._denials = lexicon.index(lexicon.book.answers.not_)
+        denials = () if lexicon.book.hearing.denials_follow else lexicon.book.answers.not_
+        self._denials = lexicon.index(denials)
         self._reversal = lexicon.index(words.reversals[:1])
         self._opening = lexicon.index(
             (*joints, *words.corrections, *words.reversals, *words.reasons)
@@ -174,9 +175,12 @@ class CallReader:
 
     def _denies_behind(self, tokens: Words, between: range) -> bool:
         """True if a "not" between two names denies the second: "a la cocina, no al despacho"."""
-        marks = [at for at in between if is_mark(tokens[at])]
         said = self._denials.places(tokens).intersection(between)
-        return bool(said and marks) and min(said) > marks[-1]
+        marks = {at for at in between if is_mark(tokens[at])}
+        parted = marks | self._joints.places(tokens)
+        first = min(said, default=0)
+        opens = not parted.isdisjoint((first - 1, first))
+        return bool(said) and opens and max(said) > max(marks, default=-1)
 
     def _corrected(self, tokens: Words, numbers: Sequence[Number]) -> list[Number]:
         """The numbers that the next one does not correct: "90 degrees, make that 60"."""
