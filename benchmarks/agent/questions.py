@@ -89,6 +89,7 @@ class Robot:
     def ask(self, kind: str, row: Mapping[str, Any]) -> Asked:
         """Ask the question of this row, and judge its answer."""
         self._parts.conversation.submit(Reset())
+        self._parts.conversation.wait_idle(_ANSWER_S)
         self._body.reset()
         self._pass(_STEP_S)
         for said in row.get("after", ()):

@@ -111,6 +111,8 @@ class TurnHandler:
                 self._executor.perform([Call(name, arguments)], self._skills, turn, "command")
             case inbox.Announce(text=text, detail=detail):
                 turn.say(text, detail=detail)
+            case inbox.Stopped(told=told, before=before, after=after):
+                self._go_on(told, after, before, turn)
             case inbox.Forget():
                 self._interpreter.forget()
                 self._asking.forget()
@@ -121,6 +123,16 @@ class TurnHandler:
                 pass  # ending this turn brings the state back to listening
             case _:
                 assert_never(item)
+
+    def _go_on(self, told: str, after: str, before: str, turn: Turn) -> None:
+        """Tell of the stop, and take up what the words after the stop word want instead."""
+        self._states.enter(State.THINKING, turn)
+        if told:
+            turn.say(told)
+        self._asking.go_on(after, before, turn)
+        if not turn.text and turn.outcome is not Outcome.ACTED:
+            turn.say(self._interpreter.phrases.say("standing"))
+        turn.settle()
 
     def _converse(self, words: Transcribed, turn: Turn, said_s: float) -> None:
         text = words.text
@@ -408,7 +420,8 @@ class Conversation:
                 item = self._inbox.take(self._question.expires_in_s)
                 turn = self._new_turn(item) if item else None
                 self._turn = turn if item and inbox.can_be_stopped(item) else None
-                self._stopping.last = turn if isinstance(item, Heard) else self._stopping.last
+                if isinstance(inbox.words_of(item), Heard):
+                    self._stopping.last = turn
             self._question.expire()
             if item and turn:
                 with bound(turn=turn.number):
@@ -417,7 +430,8 @@ class Conversation:
                     finally:
                         self._end(turn, measured=inbox.asked_in_words(item))
 
-    def _new_turn(self, item: inbox.Item) -> Turn:
+    def _new_turn(self, taken: inbox.Item) -> Turn:
+        item = inbox.words_of(taken) or taken
         turn = Turn(
             next(self._numbers),
             self._bus,

@@ -62,7 +62,23 @@ class TooLong:
     """True if the text was for the agent, False if it was to be said aloud."""
 
 
-Item = TextInput | Heard | Speak | RunSkill | TooLong | Announce | Forget | Settle | SwitchLanguage
+@dataclass(frozen=True, slots=True)
+class Stopped:
+    """The robot stopped for words that go on after their stop word: "wait, the office"."""
+
+    told: str
+    """The sentence to say about the stop; may be empty."""
+    words: TextInput | Heard
+    """What was said."""
+    before: str
+    """The words before the stop word."""
+    after: str
+    """The words after it."""
+
+
+Item = (
+    TextInput | Heard | Speak | RunSkill | TooLong | Announce | Stopped | Forget | Settle
+) | SwitchLanguage
 
 
 @dataclass(frozen=True, slots=True)
@@ -190,12 +206,18 @@ class Inbox:
 
 def asked_in_words(item: Item) -> bool:
     """True if the item is words for the agent, which want an answer."""
-    return isinstance(item, TextInput | Heard) or (isinstance(item, TooLong) and item.asked)
+    words = isinstance(item, TextInput | Heard | Stopped)
+    return words or (isinstance(item, TooLong) and item.asked)
 
 
 def can_be_stopped(item: Item) -> bool:
     """True if the item makes the robot say or do something that a stop could end."""
     return not isinstance(item, _HOUSEKEEPING)
+
+
+def words_of(item: Item | None) -> Item | None:
+    """The item, or the words that the robot stopped for."""
+    return item.words if isinstance(item, Stopped) else item
 
 
 def way_of(item: Item) -> Way:

@@ -123,6 +123,7 @@ class StopWords:
     innocent: tuple[str, ...] = ()
     others: tuple[str, ...] = ()
     ordinary: tuple[str, ...] = ()
+    hesitant: tuple[str, ...] = ()
 
     @property
     def all(self) -> tuple[str, ...]:

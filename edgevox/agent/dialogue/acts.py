@@ -6,6 +6,7 @@ argument.
 
 import itertools
 import re
+from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
@@ -23,12 +24,16 @@ from edgevox.core.files.text import one_form
 MAX_TOKENS = 32
 """Number of tokens from which on a text is no answer."""
 
+_MOST_DENYING = 6
+"""Number of words, or of characters, of the longest denial that something follows."""
+
 _MOST_CUTS = 36
 """Number of pairs of sentences that are tried for one with a choice."""
 
 _CLAUSE_END = re.compile(
     r"[;!?\u061b\u061f\u0964\u2026\u3001\u3002\uff01\uff0c\uff1b\uff1f\u060c]+|[.,:](?!\d)"
 )
+_COMMA = re.compile(r"[,\u3001\u060c\uff0c]+(?!\d)")
 _NUMBER = re.compile(NUMBER)
 _TOKEN = re.compile(rf"{NUMBER}|[a-z']+|\S")
 """The tokens of a script without spaces: each character is one; foreign words stay whole."""
@@ -50,6 +55,20 @@ class _AnswerPart(StrEnum):
     INSTEAD = "instead"
     FIRST = "first"
     SECOND = "second"
+    THIRD = "third"
+    LAST = "last"
+
+
+_ORDINALS = (_AnswerPart.FIRST, _AnswerPart.SECOND, _AnswerPart.THIRD, _AnswerPart.LAST)
+_NONE = -1
+"""Number of a choice that there is not: "the third" of two."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Choice:
+    """A word of one choice alone."""
+
+    number: int
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,7 +78,7 @@ class _Value:
     value: str
 
 
-_Found = Answer | _AnswerPart | _Value
+_Found = Answer | _AnswerPart | _Value | _Choice
 _Phrases = Mapping[tuple[str, ...], _Found]
 _Clause = tuple[_Found, ...]
 
@@ -68,12 +87,15 @@ class Answers:
     """Reads answers in several languages at once.
 
     A text is an answer only if all of it is: "yes, but not now" is none. `spaced` is True for a
-    language that puts spaces between words.
+    language that puts spaces between words; `hesitant` words correct as well: "wait the office".
     """
 
-    def __init__(self, tables: Iterable[AnswerWords], *, spaced: bool = True) -> None:
+    def __init__(
+        self, tables: Iterable[AnswerWords], *, spaced: bool = True, hesitant: Iterable[str] = ()
+    ) -> None:
         tables = tuple(tables)
         self._spaced = spaced
+        self._space = " " if spaced else ""
         nos = self._phrases(Answer.NO, chain.from_iterable(one.no for one in tables))
         nots = self._phrases(_AnswerPart.NOT, chain.from_iterable(one.not_ for one in tables))
         polite = self._phrases(
@@ -86,17 +108,23 @@ class Answers:
         instead = self._phrases(
             _AnswerPart.INSTEAD, chain.from_iterable(one.instead for one in tables)
         )
-        first = self._phrases(_AnswerPart.FIRST, chain.from_iterable(one.first for one in tables))
-        second = self._phrases(
-            _AnswerPart.SECOND, chain.from_iterable(one.second for one in tables)
-        )
-        self._choosing = {**polite, **little, **instead, **first, **second}
+        ordinals = {
+            **self._phrases(_AnswerPart.FIRST, chain.from_iterable(one.first for one in tables)),
+            **self._phrases(_AnswerPart.SECOND, chain.from_iterable(one.second for one in tables)),
+            **self._phrases(_AnswerPart.THIRD, chain.from_iterable(one.third for one in tables)),
+            **self._phrases(_AnswerPart.LAST, chain.from_iterable(one.last for one in tables)),
+        }
+        self._choosing = {**polite, **little, **instead, **ordinals}
         self._or = _joining(chain.from_iterable(one.or_ for one in tables), spaced=spaced)
         self._yes = {**polite, **yes}
         self._no = {**polite, **nots, **nos}
+        self._taking_back = {**polite, **instead, **nos}
+        self._negating = {**self._taking_back, **nots}
         self._denials = {phrase[0] for phrase in chain(nos, nots)}
         self._takes_back = {word for phrase in instead for word in phrase} | self._denials
-        self._corrections = {**polite, **little, **instead, **nos, **nots}
+        waits = self._phrases(_AnswerPart.INSTEAD, hesitant)
+        self._takes_back |= {word for phrase in waits for word in phrase}
+        self._corrections = {**polite, **little, **waits, **instead, **nos, **nots}
 
     def read(self, text: str) -> Answer | None:
         """Yes or no if the text says nothing more, otherwise None."""
@@ -114,29 +142,86 @@ class Answers:
             rest = text[end.end() :].strip()
         return rest
 
-    def value(self, text: str, spoken: Mapping[str, str], meant: str) -> str | None:
+    def after_denial(self, text: str) -> str | None:
+        """The text after a no at its beginning; None if it begins with none.
+
+        Empty if there is nothing, or if the no may deny what stands behind it: "not the office".
+        """
+        if rest := self.after_no(text):
+            return rest
+        pieces, found = self._pieces(text), None
+        for end in range(1, min(len(pieces), _MOST_DENYING) + 1):
+            words = self._space.join(pieces[:end])
+            if self.read(words) is Answer.NO:
+                rest = self._space.join(pieces[end:])
+                found = "" if self._also_negates(words) else rest
+        return found
+
+    def taken_back(self, text: str) -> Iterator[tuple[str, str, bool]]:
+        """The text before and after words that take back what stands before them, the last first.
+
+        "Go to the kitchen, no, the office". Where "no" also means "not", it counts only behind
+        or before a mark. The third value is True if the words leave nothing of what was before.
+        """
+        pieces = self._pieces(text)
+        for start in reversed(range(1, len(pieces))):
+            ends = range(min(len(pieces), start + _MOST_DENYING), start, -1)
+            said = ((end, self._space.join(pieces[start:end])) for end in ends)
+            end = next((end for end, one in said if self._is_taking_back(one)), None)
+            if end is None:
+                continue
+            before, words, after = map(
+                self._space.join, (pieces[:start], pieces[start:end], pieces[end:])
+            )
+            parted = bool(_CLAUSE_END.match((words if after else before)[-1:]))
+            if parted or not self._also_negates(words):
+                denies = (parted or not after) and self.read(words) is Answer.NO
+                yield before, after, denies
+
+    def _is_taking_back(self, text: str) -> bool:
+        found = {*chain.from_iterable(self._clauses(text, self._taking_back))}
+        return bool(found - {_AnswerPart.POLITE})
+
+    def _also_negates(self, text: str) -> bool:
+        """True if these words may deny the words behind them: "no al despacho"."""
+        said = self._clauses(text, self._negating)
+        return bool(said) and _AnswerPart.NOT in said[-1]
+
+    def value(
+        self, text: str, spoken: Mapping[str, str], meant: str, *, taken_back: bool = False
+    ) -> str | None:
         """The word that a correction puts in place of `meant`; None if the text is no correction.
 
         `spoken` maps each spoken form to its word. "No, the office" and "not the kitchen, the
-        office" mean the office; "not the office" does not.
+        office" mean the office; "not the office" does not. Where `meant` was `taken_back` before
+        this text, "the office" is enough.
         """
+        clauses = self._naming(text, spoken)
+        said = {one.value for clause in clauses for one in _values(clause)}
+        negated = {value for clause in clauses for value in _negated(clause)}
+        others = said - {meant} - negated
+        denies = taken_back or any(map(_says_no, clauses))
+        corrects = negated == {meant} if negated else denies
+        return others.pop() if corrects and len(others) == 1 else None
+
+    def denies(self, text: str, spoken: Mapping[str, str], meant: str) -> bool:
+        """True if the text only says that `meant` is not wanted: "not the kitchen"."""
+        clauses = self._naming(text, spoken)
+        return {value for clause in clauses for value in _negated(clause)} == {meant}
+
+    def _naming(self, text: str, spoken: Mapping[str, str]) -> Sequence[_Clause]:
         words: _Phrases = {
             form: _Value(word)
             for said, word in spoken.items()
             for form in _forms(said, self._spaced)
         }
-        clauses = self._clauses(text, {**self._corrections, **words})
-        said = {one.value for clause in clauses for one in _values(clause)}
-        negated = {value for clause in clauses for value in _negated(clause)}
-        others = said - {meant} - negated
-        corrects = negated == {meant} if negated else any(map(_says_no, clauses))
-        return others.pop() if corrects and len(others) == 1 else None
+        return self._clauses(text, {**self._corrections, **words})
 
-    def numbers(self, text: str) -> tuple[str, ...]:
+    def numbers(self, text: str, *, taken_back: bool = False) -> tuple[str, ...]:
         """The numbers of a correction, as digits in their order; empty if it is no correction."""
         said: _Phrases = {(n,): _Value(n) for n in _NUMBER.findall(text)}
         clauses = self._clauses(text, {**self._corrections, **said})
-        if any(map(_negated, clauses)) or not any(map(_says_no, clauses)):
+        if any(map(_negated, clauses)) or not (taken_back or any(map(_says_no, clauses))):
             return ()
         return tuple(one.value for clause in clauses for one in _values(clause))
 
@@ -144,42 +229,55 @@ class Answers:
         """True if the text could take something back; a quick check, since most texts do not."""
         return not self._takes_back.isdisjoint(chain(*_clause_tokens(text, self._spaced)))
 
-    def alternatives(self, text: str) -> Iterator[tuple[str, str]]:
-        """Pairs of sentences to choose from; those that have the most in common come first.
+    def alternatives(self, text: str) -> Iterator[tuple[str, ...]]:
+        """Sentences to choose from, two or more; those that have the most in common come first.
 
         "Take the red or the green cube" stands for "take the red cube" and "take the green cube".
+        Of several the last two are joined by an "or", and the others by that or by a comma.
         """
-        found = self._or.search(text)
-        if found is None:
+        joined = self._or.search(text)
+        if joined is None:
             return
-        before, after = (
-            self._pieces(text[: found.start()].rstrip(" ,")),
-            self._pieces(text[found.end() :]),
-        )
+        two = (text[: joined.start()].rstrip(" ,"), text[joined.end() :])
+        several = [part for one in self._or.split(text) for part in _COMMA.split(one)]
+        for parts in (several, two) if len(several) > len(two) else (two,):
+            yield from self._chosen_from([self._pieces(one) for one in parts if one.strip()])
+
+    def _chosen_from(self, parts: Sequence[list[str]]) -> Iterator[tuple[str, ...]]:
+        """Whole sentences: what stands before the first choice, each choice, and what follows."""
+        if len(parts) < len(("one", "other")):
+            return
+        (before, *between, after) = parts
         cuts = itertools.product(range(1, len(before) + 1), range(1, len(after) + 1))
-        space = " " if self._spaced else ""
         for left, right in sorted(cuts, key=sum)[:_MOST_CUTS]:
-            yield space.join(before + after[right:]), space.join(before[:-left] + after)
+            choices = (before[-left:], *between, after[:right])
+            whole = ((*before[:-left], *one, *after[right:]) for one in choices)
+            yield tuple(map(self._space.join, whole))
 
     def _pieces(self, text: str) -> list[str]:
         return text.split() if self._spaced else list(text.strip())
 
-    def chosen(self, text: str, alternatives: tuple[str, str]) -> int | None:
-        """The index of the one of two sentences that a text chooses, or None.
+    def chosen(self, text: str, alternatives: Sequence[str]) -> int | None:
+        """The index of the one of some sentences that a text chooses, or None.
 
         "The second", "the green one please" and "to the office" choose; "not the office" does not.
         """
-        first, second = (
-            {*chain.from_iterable(_clause_tokens(one, self._spaced))} for one in alternatives
-        )
+        told = [{*chain.from_iterable(_clause_tokens(one, self._spaced))} for one in alternatives]
+        counts = Counter(chain.from_iterable(told))
+        order: dict[_Found, int] = dict(zip(_ORDINALS[:-1], range(len(told)), strict=False))
+        order[_AnswerPart.LAST] = len(told) - 1
         words: _Phrases = {
-            **{(one,): _AnswerPart.LITTLE for one in first & second},
-            **{(one,): _AnswerPart.FIRST for one in first - second},
-            **{(one,): _AnswerPart.SECOND for one in second - first},
+            (word,): _AnswerPart.LITTLE if counts[word] > 1 else _Choice(number)
+            for number, one in enumerate(told)
+            for word in one
         }
         said = chain.from_iterable(self._clauses(text, {**self._choosing, **words}))
-        named = {*said} & {_AnswerPart.FIRST, _AnswerPart.SECOND}
-        return int(_AnswerPart.SECOND in named) if len(named) == 1 else None
+        named = {
+            one.number if isinstance(one, _Choice) else order.get(one, _NONE)
+            for one in said
+            if isinstance(one, _Choice) or one in _ORDINALS
+        }
+        return named.pop() if len(named) == 1 and _NONE not in named else None
 
     def _clauses(self, text: str, phrases: _Phrases) -> Sequence[_Clause]:
         """The phrases of each clause; empty if a clause holds anything else."""
@@ -262,34 +360,53 @@ _IT = "it"
 """Pronoun for the thing spoken of last; it names no value, so it corrects nothing."""
 
 
-def correct(call: Call, one: Skill, text: str, answers: Answers, book: Phrasebook) -> Call | None:
+def correct(
+    call: Call,
+    one: Skill,
+    text: str,
+    answers: Answers,
+    book: Phrasebook,
+    *,
+    taken_back: bool = False,
+) -> Call | None:
     """The corrected call; None unless the text is a correction without doubt.
 
     A word counts if the skill's templates know it for the argument in this language. Numbers
-    replace all numbers of the call, so there must be as many.
+    replace all numbers of the call, so there must be as many. `taken_back` says that words before
+    the text took the call back.
     """
-    if not answers.may_correct(text) or not is_exact(text, book.code):
+    if not (taken_back or answers.may_correct(text)) or not is_exact(text, book.code):
         return None
-    found = [*_words(call, one, text, answers, book)]
+    found = [*_words(call, one, text, answers, book, taken_back=taken_back)]
     if len(found) == 1:
         return Call(call.skill, {**call.arguments, **found[0]})
     if found:
         return None
     names = [name for name, value in call.arguments.items() if is_number(value)]
-    said = answers.numbers(digits(" ".join(one_form(text).split()), book.code))
+    plain = digits(" ".join(one_form(text).split()), book.code)
+    said = answers.numbers(plain, taken_back=taken_back)
     if not names or len(names) != len(said):
         return None
     changed = one.from_words(dict(zip(names, said, strict=True)))
     return Call(call.skill, {**call.arguments, **changed})
 
 
+def denies(call: Call, one: Skill, text: str, answers: Answers, book: Phrasebook) -> bool:
+    """True if the text only says that a value of the call is not wanted: "not the kitchen"."""
+    if not answers.may_correct(text):
+        return False
+    spoken = ((name, book.heard(choices)) for name, choices in one.choices.items())
+    return any(answers.denies(text, said, str(call.arguments.get(name))) for name, said in spoken)
+
+
 def _words(
-    call: Call, one: Skill, text: str, answers: Answers, book: Phrasebook
+    call: Call, one: Skill, text: str, answers: Answers, book: Phrasebook, *, taken_back: bool
 ) -> list[Mapping[str, Any]]:
     """Each argument that the text could correct, with its new value."""
     found: list[Mapping[str, Any]] = []
     for name, choices in one.choices.items():
         spoken = {said: word for said, word in book.heard(choices).items() if word != _IT}
-        value = answers.value(text, spoken, str(call.arguments.get(name)))
+        meant = str(call.arguments.get(name))
+        value = answers.value(text, spoken, meant, taken_back=taken_back)
         found += [{name: value}] if value else []
     return found

@@ -9,24 +9,27 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from edgevox.agent.agents import Agent
-from edgevox.agent.dialogue.acts import Answer, Answers, correct
+from edgevox.agent.dialogue.acts import Answer, Answers, correct, denies
 from edgevox.agent.dialogue.memory import DriveCall, LastDrive
 from edgevox.agent.dialogue.question import OpenQuestion, Question
-from edgevox.agent.dialogue.skills import DialogueSkills
+from edgevox.agent.dialogue.skills import OTHER, DialogueSkills
 from edgevox.agent.goals.executor import SkillExecutor
 from edgevox.agent.goals.goal import Goal
 from edgevox.agent.nlu.disfluencies import is_back_channel
 from edgevox.agent.nlu.interpreter import Interpreter
 from edgevox.agent.nlu.meaning import Meaning
+from edgevox.agent.nlu.templates import RefusedCommand
 from edgevox.agent.phrases.phrasebook import Phrasebook
 from edgevox.agent.policy import NeedsConfirmation
 from edgevox.agent.programs.keeper import Programs
 from edgevox.agent.programs.questions import ProgramQuestions
 from edgevox.agent.skills import STOP, Call, Skill
+from edgevox.agent.stop.words import find_stop_word
 from edgevox.agent.text.words import continued
 from edgevox.agent.turn import Turn
 from edgevox.core.agent_events import ConfirmationStatus
 from edgevox.core.events import Outcome
+from edgevox.core.languages import LANGUAGES, STOP_WORDS
 from edgevox.core.settings import Confirm
 
 
@@ -143,6 +146,9 @@ def _is_asked_about(one: Skill) -> bool:
     return one.drives or one.lasting or one.confirm
 
 
+_First = tuple[Agent, Sequence[Call], Call]
+"""What a correction changes: an agent, its calls, and the one of them that drives."""
+
 WHETHER_IN, WHERE = "are_you_in", "get_pose"
 """The question whether the robot is in a place, and the one that is asked with two places."""
 
@@ -192,7 +198,7 @@ class Asking:
             return True
         if answer is Answer.NO and (self.question.asked or self._performer.moving):
             return True
-        if self._correction(text):
+        if self._correction(text) or (self._performer.moving and self._denies_drive(text)):
             return True
         plain = self._interpreter.plain(text)
         return isinstance(plain, Meaning) and plain.sure
@@ -213,21 +219,27 @@ class Asking:
         if choice := self._chosen(text):
             return self._carried_out(choice, turn, said_s)
         answer = self._answers.read(text)
-        halt = self._halt(text, answer)
-        if halt is None and answer and self._counts(answer, text):
+        denied = self._denied(text, answer)
+        if denied is None and answer and self._counts(answer, text):
             return self._answered(answer, turn, said_s)
-        meaning = self._corrected(text) or halt
+        meaning = self._corrected(text)
+        if meaning is None and denied is not None:
+            return self._stopped_for(denied, turn)
         between = None if meaning else self._asked_between(text)
         if meaning is None:
             rest = text if between else self._unanswered(text)
-            if not rest:
+            taken_back = bool(rest) and self._taken_back(rest)
+            if taken_back is True and self._performer.moving:
+                return self._stopped_for("", turn)
+            if not rest or taken_back is True:
                 turn.say(self._interpreter.phrases.say("left_undone"))
                 return None
             if self._performer.answer(rest, turn):
                 return None
-            if either := self._either(rest):
+            if not taken_back and (either := self._either(rest)):
                 return self._do_either(*either, turn)
-            meaning = self._dialogue_skills.meant(self._interpreter.understand(rest, turn), turn)
+            meaning = taken_back or self._interpreter.understand(rest, turn)
+            meaning = self._dialogue_skills.meant(meaning, turn)
         if meaning is None or turn.token.cancelled:
             return meaning
         turn.decided(meaning.every_call, meaning.source, meaning.measured)
@@ -296,7 +308,7 @@ class Asking:
             turn.say(self._interpreter.phrases.say("left_undone" if asked else "what_instead"))
             return None
         asked = self.question.asked
-        meant = asked.meaning if asked and not asked.other else None
+        meant = asked.meaning if asked and not asked.others else None
         return self._carried_out(meant, turn, said_s)
 
     def _carried_out(self, meaning: Meaning | None, turn: Turn, said_s: float) -> Meaning | None:
@@ -316,47 +328,105 @@ class Asking:
         return meaning
 
     def _chosen(self, text: str) -> Meaning | None:
-        """The one of two meanings that an answer to the open question chooses, or None."""
+        """The one of several meanings that an answer to the open question chooses, or None."""
         asked = self.question.asked
-        if asked is None or asked.other is None:
+        if asked is None or not asked.others:
             return None
         chosen = self._answers.chosen(text, asked.sentences)
-        return None if chosen is None else (asked.meaning, asked.other)[chosen]
+        return None if chosen is None else (asked.meaning, *asked.others)[chosen]
 
-    def _either(self, text: str) -> tuple[tuple[str, str], tuple[Meaning, Meaning]] | None:
-        """The two orders or questions that a sentence with an "or" leaves open, or None."""
+    def _either(self, text: str) -> tuple[Sequence[str], Sequence[Meaning]] | None:
+        """The orders or questions that a sentence with an "or" leaves open, or None."""
         if self._is_plain(text):
             return None
         for sentences in self._answers.alternatives(text):
-            first, second = map(self._interpreter.plain, sentences)
-            if (
-                isinstance(first, Meaning)
-                and isinstance(second, Meaning)
-                and first.agent is second.agent
-                and all(one.sure and not _names_anything(one) for one in (first, second))
+            read = [self._interpreter.plain(one) for one in sentences]
+            meanings = [one for one in read if isinstance(one, Meaning)]
+            if len(meanings) == len(read) and all(
+                one.agent is meanings[0].agent and one.sure and not _names_anything(one)
+                for one in meanings
             ):
-                return sentences, (first, second)
+                return sentences, meanings
         return None
 
     def _do_either(
-        self, sentences: tuple[str, str], meanings: tuple[Meaning, Meaning], turn: Turn
+        self, sentences: Sequence[str], meanings: Sequence[Meaning], turn: Turn
     ) -> Meaning | None:
-        """Ask which of two orders to do; two questions are both answered."""
-        first, second = meanings
-        both = replace(first, calls=(*first.calls, *second.calls))
-        if self._dialogue_skills.only_tells(both.calls):
-            if {one.skill for one in both.calls} == {WHETHER_IN}:
-                both = replace(first, calls=(Call(WHERE),))
-            return both if self.act(both, turn) else None
+        """Ask which of several orders to do; questions are all answered."""
+        every = replace(meanings[0], calls=tuple(call for one in meanings for call in one.calls))
+        if self._dialogue_skills.only_tells(every.calls):
+            if {one.skill for one in every.calls} == {WHETHER_IN}:
+                every = replace(every, calls=(Call(WHERE),))
+            return every if self.act(every, turn) else None
         prepared = [self._performer.prepare(one, turn, confirmed=True) for one in meanings]
         asked = [one for one in prepared if one]
-        if len(asked) == 2:
+        if len(asked) == len(prepared):
             say = self._interpreter.phrases.say
-            one, other = map(self._performer.question, asked)
-            text = say("either", first=one, second=continued(other))
-            meant, instead = (one.meaning for one in asked)
-            self._put(Question(meant, text, turn.number, instead, sentences), turn)
+            text, *others = map(self._performer.question, asked)
+            for other in others:
+                text = say("either", first=text, second=continued(other))
+            meant, *instead = (one.meaning for one in asked)
+            self._put(Question(meant, text, turn.number, tuple(instead), tuple(sentences)), turn)
         return None
+
+    def go_on(self, text: str, before: str, turn: Turn) -> Meaning | None:
+        """Take up what a person wants in place of what was stopped, or of the words `before`.
+
+        The robot asks before it moves. Words that mean nothing to it are left alone.
+        """
+        turn.doubted = True
+        for ordered, rest, _ in self._answers.taken_back(before):
+            before = before if rest else ordered  # "go to the kitchen, no"
+        plain = self._interpreter.plain(before) if before else None
+        first = self._one_drive(plain) if isinstance(plain, Meaning) else self._last_drive()
+        meant = self._changed(text, first) if first else None
+        read = meant or self._interpreter.plain(self._answers.after_denial(text) or text)
+        if isinstance(read, RefusedCommand):
+            turn.say(read.reason, Outcome.REFUSED, detail=read.detail)
+        if not isinstance(read, Meaning):
+            return None
+        meaning = self._dialogue_skills.meant(read, turn)
+        return meaning if meaning and self.act(meaning, turn) else None
+
+    def _taken_back(self, text: str) -> Meaning | bool:
+        """What a sentence means that takes back its own beginning: "the kitchen, no, the office".
+
+        True if only the beginning can be meant, which nothing is left of; False for any other text.
+        """
+        if self._is_plain(text):
+            return False
+        for before, after, is_no in self._answers.taken_back(text):
+            plain = self._interpreter.plain(before)
+            meant = plain if isinstance(plain, Meaning) else self._taken_back(before)
+            first = self._one_drive(meant) if isinstance(meant, Meaning) else None
+            if first is None:
+                continue
+            right = self._changed(after, first) or self._interpreter.plain(after)
+            if isinstance(right, Meaning):
+                return right
+            if is_no:
+                return True
+        return False
+
+    def _one_drive(self, meaning: Meaning) -> _First | None:
+        """What could be corrected in a meaning; None if not just one of its calls drives."""
+        skills = meaning.agent.every_skill
+        driving = [call for call in meaning.calls if skills[call.skill].drives]
+        return (meaning.agent, meaning.calls, driving[0]) if len(driving) == 1 else None
+
+    def _changed(self, text: str, first: _First, *, taken_back: bool = True) -> Meaning | None:
+        """The calls with another one in place of the drive that the text corrects.
+
+        With `taken_back`, words before the text took it back.
+        """
+        agent, calls, wrong = first
+        skill, book = agent.every_skill[wrong.skill], self._interpreter.phrases
+        right = correct(wrong, skill, text, self._answers, book, taken_back=taken_back)
+        rest = text if taken_back else self._answers.after_no(text)
+        right = right or (self._other_way(wrong, agent, rest) if rest else None)
+        if right is None:
+            return None
+        return Meaning(agent, tuple(right if c is wrong else c for c in calls), "template")
 
     def _corrected(self, text: str) -> Meaning | None:
         """The correction of the open question, which it ends, or of the last drive, or None."""
@@ -366,29 +436,17 @@ class Asking:
         return right
 
     def _correction(self, text: str) -> Meaning | None:
-        asked, drive = self.question.asked, self._last.corrigible
-        if asked:
-            agent, calls = asked.meaning.agent, asked.meaning.calls
-        elif drive:
-            agent, calls = drive.agent, (drive.call,)
-        else:
-            return None
-        driving = [call for call in calls if agent.every_skill[call.skill].drives]
-        if len(driving) != 1:
-            return None
-        (wrong,) = driving
-        right = correct(
-            wrong, agent.every_skill[wrong.skill], text, self._answers, self._interpreter.phrases
-        )
-        right = right or self._other_way(wrong, agent, text)
-        if right is None:
-            return None
-        return Meaning(agent, tuple(right if c is wrong else c for c in calls), "template")
+        asked = self.question.asked
+        first = self._one_drive(asked.meaning) if asked else self._last_drive()
+        return self._changed(text, first, taken_back=False) if first else None
+
+    def _last_drive(self) -> _First | None:
+        drive = self._last.corrigible
+        return (drive.agent, (drive.call,), drive.call) if drive else None
 
     def _other_way(self, wrong: Call, agent: Agent, text: str) -> Call | None:
         """The call by the same amount the other way: "no, to the right"."""
-        rest = self._answers.after_no(text)
-        plain = self._interpreter.plain(rest) if rest else None
+        plain = self._interpreter.plain(text)
         if not isinstance(plain, Meaning) or len(plain.calls) != 1:
             return None
         (call,) = plain.calls
@@ -407,24 +465,52 @@ class Asking:
         asks = isinstance(plain, Meaning) and self._dialogue_skills.only_tells(plain.calls)
         return self.question.asked if asks else None
 
-    def _halt(self, text: str, answer: Answer | None) -> Meaning | None:
-        """The call that ends the motion which these words say no to: "no", "no, go east".
+    def _denied(self, text: str, answer: Answer | None) -> str | None:
+        """What is left of words that say no to the motion: "no", "no, go east"; None for others.
 
-        None while a question waits for that no, and where a plain command is said.
+        None while a question waits for that no, where a plain command follows, and for "don't
+        stop". "The other one" says no as well.
         """
         agent = self._interpreter.active
         if self.question.asked or not self._performer.moving or STOP not in agent.every_skill:
             return None
-        rest = self._answers.after_no(text)
-        denied = answer is Answer.NO and self._counts(answer, text)
-        denied = denied or (bool(rest) and not self._asks_for_more(rest))
-        return Meaning(agent, (Call(STOP),), "template") if denied else None
+        if answer is Answer.NO and self._counts(answer, text):
+            return ""
+        rest = self._answers.after_denial(text)
+        if rest is None:
+            if self._means_another(text):
+                return text
+            return "" if self._denies_drive(text) else None
+        code = self._interpreter.phrases.code
+        if self._is_plain(text) or (not rest and _denies_a_stop(text, code)):
+            return None
+        return None if self._asks_for_more(rest) else rest
+
+    def _stopped_for(self, rest: str, turn: Turn) -> Meaning:
+        """Stop for words that say no to the motion, and take up what they want instead."""
+        agent = self._interpreter.active
+        stop = Meaning(agent, (Call(STOP),), "template")
+        turn.decided(stop.calls, stop.source, stop.measured)
+        self.act(stop, turn)
+        return (self.go_on(rest, "", turn) if rest else None) or stop
+
+    def _denies_drive(self, text: str) -> bool:
+        """True for "not to the kitchen", on the way there."""
+        if drive := self._last.corrigible:
+            skill = drive.agent.every_skill[drive.call.skill]
+            return denies(drive.call, skill, text, self._answers, self._interpreter.phrases)
+        return False
+
+    def _means_another(self, text: str) -> bool:
+        plain = self._interpreter.plain(text)
+        return isinstance(plain, Meaning) and any(call.skill == OTHER for call in plain.calls)
 
     def _asks_for_more(self, text: str) -> bool:
-        """True if the text is a plain command, and not only a question to the robot."""
+        """True if the text is a plain command, and no mere question, nor for "the other one"."""
         plain = self._interpreter.plain(text)
-        tells = isinstance(plain, Meaning) and self._dialogue_skills.only_tells(plain.calls)
-        return plain is not None and not tells
+        if not isinstance(plain, Meaning) or self._means_another(text):
+            return False
+        return plain.sure and not self._dialogue_skills.only_tells(plain.calls)
 
     def _unanswered(self, text: str) -> str:
         """The words left to understand: all, or those after the no of "no, go to the office".
@@ -433,13 +519,21 @@ class Asking:
         robot does not guess then.
         """
         asked = self.question.asked
-        rest = self._answers.after_no(text) if asked or self._last.corrigible else ""
+        corrects = asked or self._last.corrigible
+        rest = (self._answers.after_denial(text) or "") if corrects else ""
         plain = bool(rest) and self._interpreter.plain(rest) is not None
         if plain or (rest and asked):
             self.question.end(ConfirmationStatus.DECLINED)
             return rest if plain else ""
         self.question.end(ConfirmationStatus.REPLACED)
         return text
+
+
+def _denies_a_stop(text: str, code: str) -> bool:
+    """True for "don't stop": what is denied is a stop word."""
+    words = text.split() if LANGUAGES[code].spaced else list(text)
+    space = " " if LANGUAGES[code].spaced else ""
+    return any(find_stop_word(code, space.join(words[at:])) for at in range(1, len(words)))
 
 
 def _names_anything(meaning: Meaning) -> bool:
@@ -449,4 +543,5 @@ def _names_anything(meaning: Meaning) -> bool:
 
 def _answers(book: Phrasebook) -> Answers:
     books = (book, book.fallback) if book.fallback else (book,)
-    return Answers([one.answers for one in books], spaced=book.hearing.spaced)
+    hesitant = [word for one in books for word in STOP_WORDS[one.code].hesitant]
+    return Answers([one.answers for one in books], spaced=book.hearing.spaced, hesitant=hesitant)

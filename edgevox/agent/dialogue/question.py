@@ -17,7 +17,7 @@ _LAPSES = (ConfirmationStatus.EXPIRED, ConfirmationStatus.CANCELLED)
 
 @dataclass(frozen=True, slots=True)
 class Question:
-    """A yes-or-no question, or one with two meanings to choose from."""
+    """A yes-or-no question, or one with several meanings to choose from."""
 
     meaning: Meaning
     """The meaning that a yes carries out."""
@@ -25,10 +25,10 @@ class Question:
     """The question as it is said."""
     turn: int
     """Number of the turn that asks."""
-    other: Meaning | None = None
-    """The second meaning to choose; a yes then chooses none."""
-    sentences: tuple[str, str] = ("", "")
-    """The sentences of the two meanings."""
+    others: tuple[Meaning, ...] = ()
+    """The other meanings to choose; a yes then chooses none."""
+    sentences: tuple[str, ...] = ()
+    """The sentences of all meanings to choose."""
 
 
 class OpenQuestion:
@@ -133,7 +133,7 @@ class OpenQuestion:
         return question
 
     def _tell(self, question: Question, status: ConfirmationStatus) -> None:
-        meanings = [one for one in (question.meaning, question.other) if one]
+        meanings = (question.meaning, *question.others)
         calls = tuple(
             AskedCall(call.skill, call.arguments) for one in meanings for call in one.every_call
         )

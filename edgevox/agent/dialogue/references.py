@@ -76,8 +76,14 @@ class References:
         return moved is not None and self._skills[moved.skill].relative
 
     def other(self) -> Sequence[Call]:
-        """The last calls with the other word, if there is one choice between just two words."""
-        calls = self.again()
+        """The last motion with the other word, if there is one choice between just two words.
+
+        It may be running still: "no, the other one".
+        """
+        asked = self._dialogue.asked(self._moved)
+        if asked is None or asked.program or not self._dialogue.repeatable(asked):
+            raise SkillFailed(because("nothing_before"))
+        calls = tuple(asked.calls)
         chosen = {old for call in calls for _, old, _ in self._chosen(call)}
         if not chosen:
             raise SkillFailed(because("nothing_before"))
@@ -93,6 +99,11 @@ class References:
         if len(others) != 1 or len(chosen) != 1:
             raise SkillFailed(because("which_one", choices=others or tuple(sorted(chosen))))
         return _exchanged(calls, chosen.pop(), others[0])
+
+    def was_stopped(self) -> bool:
+        """True if the last motion that words asked for was stopped."""
+        asked = self._dialogue.asked(self._moved)
+        return asked is not None and asked.stopped
 
     def also(self, value: str) -> Sequence[Call]:
         """The last calls with this word, if it can replace only one word."""

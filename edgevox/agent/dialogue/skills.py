@@ -102,7 +102,8 @@ def _quoted(words: str) -> str:
 
 CAN = "what_can_you_do"
 QUESTIONS = ("what_are_you_doing", "why_did_you", "what_did_you_hear", CAN)
-REFERENCES = ("again", BACK, "further", "the_other")
+OTHER = "the_other"
+REFERENCES = ("again", BACK, "further", OTHER)
 ALSO = "this_one_too"
 DIALOGUE_SKILLS = (*QUESTIONS, *REFERENCES, ALSO)
 """Names of all dialogue skills."""
@@ -171,7 +172,9 @@ class DialogueSkills:
             return None
         if any(call.skill == CAN for call in calls):
             turn.write(self._answers.can()[1])
-        if any(call.skill == BACK for call in meaning.calls) and self._references.may_reverse():
+        said = {call.skill for call in meaning.calls}
+        unsure = BACK in said and self._references.may_reverse()
+        if unsure or (OTHER in said and self._references.was_stopped()):
             meaning = replace(meaning, confidence=min(meaning.confidence, ASK_FROM))
         return replace(meaning, agent=self._owner(meaning.agent, calls), calls=calls)
 
@@ -215,7 +218,7 @@ class DialogueSkills:
                 return self._references.back()
             case "further":
                 return self._references.further()
-            case "the_other":
+            case name if name == OTHER:
                 return self._references.other()
             case name if name == ALSO:
                 return self._references.also(str(call.arguments["value"]))

@@ -193,6 +193,9 @@ def _is_imperative(reading: Reading, lexicon: Lexicon) -> bool:
     return True
 
 
+_SAYS_AN_ABILITY = 2.0
+"""Least weight of the words for a motion that "can you ..." asks for, and not about."""
+
 _LEAST_MARGIN = 0.25
 """Least lead in weight over another skill; with less, the words choose neither skill."""
 
@@ -281,6 +284,23 @@ class Readings:
                     unsupported=is_unsupported(reading, facts, lexicon),
                 )
         return None
+
+    def knows(self, text: str) -> bool:
+        """True if each word of a text, small ones aside, is used for a motion of these skills."""
+        self._renew()
+        lexicon, _ = self._readers[0]
+        tokens = _tokens(" ".join(text.split()), lexicon)
+        small = lexicon.index(lexicon.function_words.all()).places(tokens)
+        said = [one for at, one in enumerate(tokens) if at not in small and not is_mark(one)]
+        moving = [one for one in lexicon.skills.values() if one.moves]
+        known = {word for one in moving for word in lexicon.tokenize(lexicon.book.can(one))}
+        known |= {
+            word
+            for one in moving
+            for word, weight in lexicon.words[one.name].weights.items()
+            if weight >= _SPEAKS
+        }
+        return bool(moving) and known.issuperset(said)
 
     def objections(self, text: str) -> frozenset[str]:
         """What speaks against doing what these words name; empty if nothing does.
@@ -385,7 +405,7 @@ def _is_doubtful(judged: Judged, order: float) -> bool:
     """
     facts = judged.evidence
     guessed = any(part.guessed for part in judged.reading.parts)
-    if facts["strange_alone"] or guessed or judged.loses:
+    if facts["strange_alone"] or guessed or judged.loses or judged.reading.ambiguous:
         return True
     if not facts["moves"]:
         return False
@@ -407,13 +427,14 @@ def _is_about_another_thing(reading: Reading, lexicon: Lexicon) -> bool:
 
 
 def _asks_about_another(reading: Reading, lexicon: Lexicon) -> bool:
-    """True if the words ask about an ability that the skills' words do not name.
+    """True if the words ask about an ability that the skills' words hardly name.
 
-    "Can you pick up a cube" asks no robot without hands to stand up.
+    "Can you walk" asks no arm to go home.
     """
     asks = lexicon.index(lexicon.function_words.abilities).starts(reading.tokens)
     return bool(asks) and any(
-        part.strange > 0 and not part.grounded
+        (not part.grounded or part.guessed)
+        and (part.strange > 0 or part.support < _SAYS_AN_ABILITY)
         for part in reading.parts
         if lexicon.skills[part.call.skill].moves
     )

@@ -143,13 +143,14 @@ class Interpreter:
 
         `said` are the same words with their false starts.
         """
-        if asked := self._asked(text):
+        whether = asks_whether(text, self._code)
+        if not whether and (asked := self._asked(text)):
             return self._taken(asked, turn)
         if cannot := self._cannot(text):
             turn.say(cannot, Outcome.REFUSED)
             return None
-        if asks_whether(text, self._code) and not _needs_model(self.active):
-            self._say_no_ability(turn)
+        if whether and not _needs_model(self.active):
+            self._say_ability(text, turn)
             return None
         of_robot = self._model is None and is_about_hearer(text, self._code)
         if asks(text, self._code) and (of_robot or self._world().named_in(text)):
@@ -332,9 +333,12 @@ class Interpreter:
     def _world(self) -> WorldWords:
         return WorldWords(self._every_skill(), self.phrases)
 
-    def _say_no_ability(self, turn: Turn) -> None:
+    def _say_ability(self, text: str, turn: Turn) -> None:
+        """Say what the robot can, and that it cannot what was asked for: not to "can you walk"."""
         can, detail = abilities(self.phrases, self._every_skill())
-        turn.say(f"{self.phrases.say('no_ability')} {can}".strip(), detail=detail)
+        known = any(readings.knows(text) for readings in self._readings.values())
+        told = "" if known else self.phrases.say("no_ability")
+        turn.say(f"{told} {can}".strip(), detail=detail)
 
     def _say_not_understood(self, turn: Turn) -> None:
         told, detail = not_understood(self.phrases, self._every_skill())

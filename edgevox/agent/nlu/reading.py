@@ -34,6 +34,8 @@ class Reading:
     """Number of unknown words."""
     corrected: bool
     """True if the speaker took something back."""
+    ambiguous: bool
+    """True if what took something back may deny what follows: "a la cocina no al despacho"."""
     denied: bool
     """True if a negation denies something that was not taken back."""
     unread: bool
@@ -60,6 +62,8 @@ class CallReader:
         self._filling = lexicon.index((*words.fillers, *words.urges, *joints, *words.corrections))
         self._negations = lexicon.index(words.negations)
         self._corrections = lexicon.index(words.corrections)
+        denials = () if lexicon.book.hearing.denials_follow else lexicon.book.answers.not_
+        self._denials = lexicon.index(denials)
         self._reversal = lexicon.index(words.reversals[:1])
         self._opening = lexicon.index(
             (*joints, *words.corrections, *words.reversals, *words.reasons)
@@ -80,6 +84,11 @@ class CallReader:
             if one.start not in joining and not self._is_article(tokens, one)
         ]
         names, denied = self._take_back(tokens, said)
+        ambiguous = any(
+            self._denials.places(tokens).intersection(range(one.end, other.start))
+            for one, other in itertools.pairwise(said)
+            if one not in names
+        )
         counted = find_numbers(tokens, self._linking)
         numbers = self._corrected(tokens, counted)
         corrected = len(names) < len(said) or len(numbers) < len(counted)
@@ -106,6 +115,7 @@ class CallReader:
             courteous,
             strange,
             corrected,
+            ambiguous,
             denied,
             unread,
         )
@@ -154,12 +164,23 @@ class CallReader:
         for first, second in itertools.pairwise(names):
             if first not in kept or first.values.keys().isdisjoint(second.values.keys()):
                 continue
-            between = set(range(first.end, second.start))
+            between = range(first.end, second.start)
             before = set(range(max(0, first.start - 3), first.start))
-            if between & correcting or before & denied:
+            if self._denies_behind(tokens, between):
+                return kept, True
+            if correcting.intersection(between) or before & denied:
                 kept.remove(first)
                 allowed |= set(range(max(0, first.start - 3), second.start))
         return kept, bool(denied - allowed)
+
+    def _denies_behind(self, tokens: Words, between: range) -> bool:
+        """True if a "not" between two names denies the second: "a la cocina, no al despacho"."""
+        said = self._denials.places(tokens).intersection(between)
+        marks = {at for at in between if is_mark(tokens[at])}
+        parted = marks | self._joints.places(tokens)
+        first = min(said, default=0)
+        opens = not parted.isdisjoint((first - 1, first))
+        return bool(said) and opens and max(said) > max(marks, default=-1)
 
     def _corrected(self, tokens: Words, numbers: Sequence[Number]) -> list[Number]:
         """The numbers that the next one does not correct: "90 degrees, make that 60"."""

@@ -95,6 +95,7 @@ def _hearing(data: Mapping[str, Any], ors: Sequence[str], *, spaced: bool) -> He
         hesitations=tuple(data.get("hesitations", ())),
         back_channels=tuple(data.get("back_channels", ())),
         openers=tuple(data.get("openers", ())),
+        denials_follow=data.get("denials_follow", False),
     )
 
 

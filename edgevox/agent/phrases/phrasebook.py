@@ -145,6 +145,8 @@ class Hearing:
     """What people say while they listen, and want the speaker to go on: "mm-hm", "I see"."""
     openers: tuple[str, ...] = ()
     """Words that open a sentence and mean nothing to a robot: "and then"."""
+    denials_follow: bool = False
+    """True where words that deny stand behind what they deny."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -160,6 +162,8 @@ class AnswerWords:
     or_: tuple[str, ...] = ()
     first: tuple[str, ...] = ()
     second: tuple[str, ...] = ()
+    third: tuple[str, ...] = ()
+    last: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

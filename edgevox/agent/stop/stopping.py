@@ -233,7 +233,13 @@ class Stopping:
         if stopped or not spotted or untold == _STANDING:
             self._bus.publish(SafetyPreempted(word, stopped))
         tell = stopped or untold or not spotted
-        self._answer(_weightier(untold, _told(stopped=stopped, waited=waited)) if tell else "")
+        told = _weightier(untold, _told(stopped=stopped, waited=waited)) if tell else ""
+        before, after = self._safety.around(word, words.text)
+        if after:
+            told = self._phrases().say(told) if told and told != _STANDING else ""
+            self._inbox.put(inbox.Stopped(told, words, before, after), self._interlock.mark)
+        else:
+            self._answer(told)
 
     def interrupt(self, reason: str, cause: Cause, *, motion: bool) -> None:
         """Stop everything; without `motion`, only stop talking, because a person wants to speak."""

@@ -6,6 +6,7 @@ Stop words of the other languages count only alone or first, and not if the spok
 same word. `[stop]` of `core/languages/*.toml` has the words, `stopping` acts on them.
 """
 
+import re
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
@@ -31,6 +32,7 @@ _ALONE_MIN = 5
 _UNSPACED = ("ja", "zh")
 _SPELLED_MIN = 3
 _CLAUSE_END = "."
+_AROUND = " ,;:.!\u2026\u3001\u3002\u060c\u0964\uff0c\uff01"
 
 Phrase = tuple[SpelledWord, ...]
 
@@ -60,6 +62,27 @@ class SafetyWords:
     def find(self, text: str) -> str | None:
         """The stop word in this utterance, as the table spells it, or None."""
         return find_stop_word(self._code, text)
+
+    def around(self, word: str, text: str) -> tuple[str, str]:
+        """The text before and after this stop word, if people go on after it: "wait, the office".
+
+        Both are empty for any other stop word, and where nothing follows.
+        """
+        found = [*_hesitating(self._code).finditer(text)] if word in _hesitant(self._code) else []
+        after = text[found[-1].end() :].strip(_AROUND) if found else ""
+        return (text[: found[0].start()].strip(_AROUND), after) if after else ("", "")
+
+
+@lru_cache
+def _hesitant(code: str) -> frozenset[str]:
+    return frozenset((*STOP_WORDS[code].hesitant, *STOP_WORDS["en"].hesitant))
+
+
+@lru_cache
+def _hesitating(code: str) -> re.Pattern[str]:
+    said = "|".join(map(re.escape, sorted(_hesitant(code), key=len, reverse=True)))
+    whole = rf"(?<!\w)(?:{said})(?!\w)" if LANGUAGES[code].spaced else f"(?:{said})"
+    return re.compile(whole if said else "(?!)", re.IGNORECASE)
 
 
 def find_stop_word(code: str, text: str) -> str | None:
