@@ -231,11 +231,22 @@ WIDEST_PX = 960
 
 
 class ShownRobot:
-    """Offers exactly what the body has. `label` is what a name is called in the language now."""
+    """Offers exactly what the body has.
 
-    def __init__(self, body: Body, interlock: Interlock, guard: Guard, label: Label) -> None:
+    `label` is what a name is called in the language now. `moving` tells whether a goal moves it.
+    """
+
+    def __init__(
+        self,
+        body: Body,
+        interlock: Interlock,
+        guard: Guard,
+        label: Label,
+        moving: Callable[[], bool] = lambda: False,
+    ) -> None:
         self._body = body
         self._label = label
+        self._moving = moving
         self._grid = MapGrid()
         permit = partial(guard.velocity, way=Way.CONSOLE_OPERATOR)
         self._steering = (
@@ -261,7 +272,7 @@ class ShownRobot:
 
     def live(self) -> Mapping[str, Any]:
         """Return the moving parts."""
-        return live(self._body, self._label)
+        return {**live(self._body, self._label), "moving": self._moving()}
 
     def picture(self) -> bytes | None:
         """A JPEG of the camera, or of the scene where there is none; None without either."""

@@ -84,7 +84,7 @@ function describeForReaders(store, canvas) {
     const { pose, goal } = store.live;
     const parts = [say("map")];
     if (pose) parts.push(say("map_robot_at", { x: number(pose.x), y: number(pose.y) }));
-    if (goal) parts.push(say("map_goal_left", { distance: number(goal.distance ?? 0) }));
+    if (goal?.distance) parts.push(say("map_goal_left", { distance: number(goal.distance) }));
     const text = parts.join(". ");
     if (canvas.getAttribute("aria-label") !== text) canvas.setAttribute("aria-label", text);
   };
@@ -523,9 +523,11 @@ function drawNames(g, view, store, scene, c) {
 
 /** @param {CanvasRenderingContext2D} g @param {MapView} view @param {import("./wire.js").Live} live @param {Record<string, string>} c */
 function drawPath(g, view, { path, goal, pose }, c) {
-  if (path?.length || goal) {
+  /** @type {[number, number] | null} */
+  const end = goal?.x == null || goal.y == null ? null : [goal.x, goal.y];
+  if (path?.length || end) {
     g.beginPath();
-    for (const [x, y] of path ?? (goal && pose ? [[pose.x, pose.y], [goal.x, goal.y]] : [])) g.lineTo(...view.toScreen(x, y));
+    for (const [x, y] of path ?? (end && pose ? [[pose.x, pose.y], end] : [])) g.lineTo(...view.toScreen(x, y));
     g.strokeStyle = c.path;
     g.lineWidth = 3;
     g.lineJoin = "round";
@@ -533,8 +535,8 @@ function drawPath(g, view, { path, goal, pose }, c) {
     g.stroke();
     g.setLineDash([]);
   }
-  if (!goal) return;
-  const [x, y] = view.toScreen(goal.x, goal.y);
+  if (!end) return;
+  const [x, y] = view.toScreen(...end);
   g.strokeStyle = c.path;
   g.lineWidth = 3;
   for (const size of [4, 10]) {

@@ -46,7 +46,8 @@ function showGoal(box, progress, goal) {
   box.hidden = !goal;
   if (!goal) return;
   progress.value = goal.progress ?? 0;
-  /** @type {HTMLElement} */ (box.lastChild).textContent = say("metres_left", { distance: number(goal.distance ?? 0) });
+  /** @type {HTMLElement} */ (box.lastChild).textContent = goal.distance ? say("metres_left", { distance: number(goal.distance) })
+    : `${number(100 * (goal.progress ?? 0), 0)} %`;
 }
 
 /** @param {HTMLElement} box @param {import("./wire.js").Joint[] | undefined} joints */
