@@ -98,6 +98,29 @@ def test_text_of_twice_its_size_keeps_everything_in_reach(
 
 
 @pytest.mark.parametrize("device", [UPRIGHT, ON_ITS_SIDE])
+def test_a_tapped_point_stays_in_sight_above_what_can_be_done_with_it(
+    opens: Opens, device: dict
+) -> None:
+    page = opens(**device)
+    page.locator(".tabs [data-panel=see]").click()
+    page.locator(".facts .fact").first.wait_for()
+    map_, sheet = page.locator(".map"), page.locator(".tap-sheet")
+    where = sheet.locator("strong")
+    size = map_.bounding_box()
+    low = {"x": size["width"] / 2, "y": size["height"] - 40}
+    map_.click(position=low)
+    told = where.inner_text()
+    above = sheet.bounding_box()["y"] - size["y"] - 12
+    assert 31 < above < low["y"], "the pin has its place, and the sheet covers where it was"
+    map_.click(position={"x": low["x"], "y": above})
+    expect(where).to_have_text(told)
+    page.keyboard.press("Escape")
+    expect(sheet).to_be_hidden()
+    map_.click(position=low)
+    expect(where).to_have_text(told)
+
+
+@pytest.mark.parametrize("device", [UPRIGHT, ON_ITS_SIDE])
 def test_map_stick_microphone_and_stop_stand_beside_each_other(opens: Opens, device: dict) -> None:
     page = opens(**device)
     page.locator(".tabs [data-panel=see]").click()

@@ -3,6 +3,9 @@ import { h, redraw, sign } from "./dom.js";
 import { tellRefusal, toast, whyNot } from "./notices.js";
 import { isolated, number, say } from "./words.js";
 
+/** So far above the sheet that tells of it stands a point that was chosen. */
+const ABOVE_SHEET_PX = 12;
+
 /**
  * @param {import("./store.js").Store} store
  * @param {import("./link.js").Link} link
@@ -32,7 +35,11 @@ export function mapCard(store, link) {
     requestAnimationFrame(paint);
   };
   const grid = new MapGrid(soon);
-  const sheet = tapSheet(store, link, canvas, soon);
+  const sheet = tapSheet(store, link, canvas, () => {
+    const at = sheet.chosen();
+    view.lift = at ? Math.max(view.lift, view.lift + view.toScreen(at.x, at.y)[1] + ABOVE_SHEET_PX - sheet.element.offsetTop) : 0;
+    soon();
+  });
   moveByHand(canvas, view, soon, (px, py) => store.scene && sheet.offer(...view.toMap(px, py)));
   for (const type of ["focus", "blur"]) canvas.addEventListener(type, soon);
   new ResizeObserver(soon).observe(canvas);
@@ -141,9 +148,8 @@ function tapSheet(store, link, canvas, changed) {
     naming = "";
   });
   const element = h("div", { class: "tap-sheet", role: "dialog", "aria-label": say("this_point"), hidden: true },
-    h("div", { class: "row tight" }, where, h("span", { class: "fill" }), h("button", { class: "round plain", type: "button",
-      "aria-label": say("close"), onclick: leave }, sign("close"))),
-    h("div", { class: "row" }, go, form));
+    h("div", { class: "row" }, where, h("div", { class: "row tight" }, go, h("button", { class: "round plain", type: "button",
+      "aria-label": say("close"), onclick: leave }, sign("close")))), form);
   element.addEventListener("keydown", (event) => event.key === "Escape" && leave());
   const offer = (/** @type {number} */ x, /** @type {number} */ y) => {
     at = { x: Math.round(x * 100) / 100, y: Math.round(y * 100) / 100 };
@@ -202,6 +208,8 @@ class MapView {
     this.aims = false;
     this.width = 0;
     this.height = 0;
+    /** So many pixels higher it is shown, so that what covers its lower part hides no point that matters. */
+    this.lift = 0;
   }
 
   /** Fit the canvas to its place; true if it changed. */
@@ -230,12 +238,12 @@ class MapView {
 
   /** @param {number} x @param {number} y @returns {[number, number]} metres to pixels of the page */
   toScreen(x, y) {
-    return [this.width / 2 + (x - this.x) * this.scale, this.height / 2 - (y - this.y) * this.scale];
+    return [this.width / 2 + (x - this.x) * this.scale, this.height / 2 - this.lift - (y - this.y) * this.scale];
   }
 
   /** @param {number} px @param {number} py @returns {[number, number]} */
   toMap(px, py) {
-    return [this.x + (px - this.width / 2) / this.scale, this.y - (py - this.height / 2) / this.scale];
+    return [this.x + (px - this.width / 2) / this.scale, this.y - (py + this.lift - this.height / 2) / this.scale];
   }
 
   /** @param {number} dx @param {number} dy pixels */
