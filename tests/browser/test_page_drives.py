@@ -3,9 +3,10 @@
 import time
 from collections.abc import Callable
 
-from browser_rig import Opens
+import pytest
+from browser_rig import Opens, page_words, take_the_turn
 from guards import HUNG_S
-from playwright.sync_api import Page
+from playwright.sync_api import Page, expect
 from stand_in import Robot
 
 
@@ -56,6 +57,42 @@ def test_ahead_beats_and_letting_go_is_exactly_one_zero(opens: Opens, robot: Rob
     sent = robot.commands("drive")
     assert still(robot) == sent[-1:]
     assert max(abs(d["linear"]) for d in sent) <= 0.5
+
+
+def test_the_top_speed_is_a_part_of_the_robots_and_this_browser_remembers_it(
+    opens: Opens, robot: Robot
+) -> None:
+    page = opens()
+    speed = page.get_by_role("slider", name=page_words("top_speed"))
+    expect(speed).to_have_attribute("aria-valuetext", "0.50 m/s")
+    speed.fill("0.25")
+    expect(speed).to_have_attribute("aria-valuetext", "0.13 m/s")
+    page.reload()
+    take_the_turn(page)
+    expect(speed).to_have_value("0.25")
+    page.locator(".stick").focus()
+    page.keyboard.down("ArrowUp")
+    drives(page, robot)
+    page.keyboard.down("ArrowLeft")
+    until(page, lambda: robot.commands("drive")[-1]["angular"] > 0)
+    page.keyboard.up("ArrowUp")
+    until(page, lambda: not robot.commands("drive")[-1]["linear"])
+    assert {one["linear"] for one in robot.commands("drive")} == {0.125, 0}
+    assert {one["angular"] for one in robot.commands("drive")} == {0.25, 0}
+
+
+@pytest.mark.parametrize("kept", ["4", "-1", "0", "fast"])
+def test_the_stick_never_asks_for_more_than_the_robots_speed(
+    opens: Opens, robot: Robot, kept: str
+) -> None:
+    page = opens()
+    page.evaluate("kept => localStorage.setItem('edgevox-stick', kept)", kept)
+    page.reload()
+    take_the_turn(page)
+    page.locator(".stick").focus()
+    page.keyboard.down("ArrowUp")
+    drives(page, robot)
+    assert {one["linear"] for one in robot.commands("drive")} == {0.5}
 
 
 def test_back_in_its_middle_the_stick_is_let_go_once(opens: Opens, robot: Robot) -> None:

@@ -193,6 +193,8 @@ def test_a_stopped_robot_is_not_steered_and_says_why(console):
 
 
 def test_the_stick_heeds_the_speed_that_the_policy_permits(limited):
+    told = limited.robot.capabilities["drive"]
+    assert told == {"linear": 0.2, "angular": limited.body.max_angular_rad_s}
     limited.robot.drive(0.8, 0.0)
     limited.body.advance(0.4)
     assert limited.robot.live()["velocity"]["linear"] == pytest.approx(0.2, abs=0.01)
