@@ -4,7 +4,7 @@ import time
 from collections.abc import Callable
 
 import pytest
-from browser_rig import Opens, page_words, take_the_turn
+from browser_rig import Opens, page_words, settled, stop_clock, take_the_turn
 from guards import HUNG_S
 from playwright.sync_api import Page, expect
 from stand_in import Robot
@@ -125,6 +125,46 @@ def test_the_stick_stands_still_when_a_goal_or_what_is_known_of_the_robot_comes_
     robot.live = {}
     page.locator(".goal").wait_for(state="hidden")
     assert page.locator(".stick").bounding_box() == before
+
+
+def test_a_held_stick_asks_for_the_same_while_a_question_moves_it(
+    opens: Opens, robot: Robot
+) -> None:
+    page = opens()
+    hold(page)
+    drives(page, robot)
+    before = page.locator(".stick").bounding_box()
+    robot.tell(type="talk", kind="asked", turn=1, text="Shall I go?", open=True)
+    page.locator(".question").wait_for()
+    assert page.locator(".stick").bounding_box() != before
+    page.mouse.move(before["x"] + before["width"] / 2, before["y"] + 0.1 * before["height"] + 1)
+    count = len(robot.commands("drive"))
+    until(page, lambda: len(robot.commands("drive")) > count + 2)
+    page.mouse.up()
+    assert all(one["linear"] > 0.3 for one in robot.commands("drive")[: count + 2])
+
+
+def test_a_press_that_was_aimed_at_what_has_just_moved_away_is_none_but_stop_always_is_one(
+    opens: Opens, robot: Robot
+) -> None:
+    page = opens()
+    page.clock.install()
+    stop_clock(page)
+    robot.tell(type="talk", kind="asked", turn=1, text="Shall I go?", open=True)
+    yes = page.get_by_role("button", name=page_words("yes"))
+    yes.click()
+    hold(page)
+    page.mouse.up()
+    page.locator("button.stop").click()
+    until(page, lambda: bool(robot.commands("stop")))
+    page.locator(".resume").click()
+    page.clock.run_for(500)
+    settled(page)
+    yes.click()
+    until(page, lambda: bool(robot.commands("answer")))
+    assert len(robot.commands("answer")) == 1
+    assert not robot.commands("resume")
+    assert not robot.commands("drive")
 
 
 def test_lost_focus_halts(opens: Opens, robot: Robot) -> None:

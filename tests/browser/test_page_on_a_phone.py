@@ -4,7 +4,7 @@ import re
 from itertools import combinations
 
 import pytest
-from browser_rig import PHONE, Opens, page_words
+from browser_rig import PHONE, Opens, page_words, settled
 from playwright.sync_api import Page, expect
 from stand_in import Robot
 from test_page_drives import until
@@ -28,6 +28,7 @@ def busy(page: Page, robot: Robot, *, name: str = "Chrome Linux of the second fl
     robot.tell(type="talk", kind="asked", turn=1, text="Shall I go to the kitchen?", open=True)
     robot.tell(type="stop", engaged=True, by=name, since=1.0)
     expect(page.locator(".stopped")).to_be_visible()
+    settled(page)
 
 
 def reachable(page: Page, part: str) -> None:

@@ -207,8 +207,10 @@ function topSpeed(driver) {
 /** @param {HTMLElement} pad @param {Push} push @param {() => void} release @returns {() => void} forgets what is held */
 function byPointer(pad, push, release) {
   let held = -1;
+  /** Where the pad was when it was pressed: what moves it meanwhile is no steering. */
+  let pressed = new DOMRect();
   const at = (/** @type {PointerEvent} */ event) => {
-    const { left, top, width, height } = pad.getBoundingClientRect();
+    const { left, top, width, height } = pressed;
     const x = (2 * (event.clientX - left)) / width - 1;
     const y = 1 - (2 * (event.clientY - top)) / height;
     const far = Math.max(1, Math.hypot(x, y));
@@ -217,6 +219,7 @@ function byPointer(pad, push, release) {
   pad.addEventListener("pointerdown", (event) => {
     if (held !== -1 || event.button !== 0) return;
     held = event.pointerId;
+    pressed = pad.getBoundingClientRect();
     pad.setPointerCapture(held);
     at(event);
   });

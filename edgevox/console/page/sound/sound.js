@@ -37,6 +37,8 @@ export class Sound {
     /** @type {AudioWorkletNode | null} */
     this.player = null;
     this.held = this.opened = this.hearing = false;
+    /** Whether there was a microphone since it is held. */
+    this.heard = false;
     this.sequence = 0;
     this.lateness = new Lateness();
     /** @type {ReturnType<typeof setTimeout> | undefined} */
@@ -60,12 +62,14 @@ export class Sound {
   async hold(on) {
     clearTimeout(this.letting);
     if (!on) {
-      if (this.held) this.letting = setTimeout(() => this.letGo(), LET_GO_MS);
+      if (this.held) this.letting = setTimeout(() => this.letGo(), this.heard ? LET_GO_MS : 0);
       return;
     }
     if (this.held) return;
     this.held = true;
+    this.heard = false;
     await this.speak({ type: "talk", held: true }, () => this.held);
+    this.heard = true;
   }
 
   /** Ask the person for the microphone, before anything is said. */
