@@ -22,8 +22,8 @@ IDENTIFIER = re.compile(r"[A-Za-z0-9][\w.:-]{0,99}", re.ASCII)
 MALFORMED = (ValueError, LookupError, TypeError, AttributeError, RecursionError)
 """What is raised by something in JSON that is not of the form that it should be of."""
 MOST_ENTRY_BYTES = 16 << 20
-MOST_BYTES = 8 << 30
-"""Of all entries together, unpacked."""
+MOST_BYTES = 64 << 30
+"""Of all entries together, unpacked: Ubuntu's name every version of every kernel."""
 _UNREADABLE = (OSError, zipfile.BadZipFile, zlib.error, RuntimeError, EOFError)
 """What a damaged, encrypted or strangely compressed archive raises."""
 
@@ -78,7 +78,7 @@ def look_up(packages: Sequence[Package], path: Path) -> Looked:
             looked.newest = max(looked.newest, str(entry["modified"]))
             for affected in entry.get("affected") or ():
                 about = affected.get("package") or {"ecosystem": "", "name": ""}
-                ecosystem, name = str(about["ecosystem"]), str(about["name"])
+                ecosystem, name = _release(str(about["ecosystem"])), str(about["name"])
                 ecosystems.add(ecosystem)
                 key = (ecosystem, python_name(name) if ecosystem == "PyPI" else name)
                 if not entry.get("withdrawn"):
@@ -94,6 +94,14 @@ def look_up(packages: Sequence[Package], path: Path) -> Looked:
 def python_name(name: str) -> str:
     """The one spelling of a Python package's name that OSV knows."""
     return re.sub(r"[-_.]+", "-", name).lower()
+
+
+def _release(ecosystem: str) -> str:
+    """An ecosystem, with Ubuntu Pro's for the release that it is of.
+
+    What only Pro has mended is under Pro alone, and is not mended where nobody has Pro.
+    """
+    return ecosystem.replace("Ubuntu:Pro:", "Ubuntu:", 1)
 
 
 def _system(ecosystem: str) -> str:

@@ -23,6 +23,11 @@ class SmallDisk:
                 with suppress(OSError):
                     filler.write(b"x" * 4096)
 
+    def seal(self, *, sealed: bool = True) -> None:
+        """Nothing can be written any more, by root neither; or it can again."""
+        mode = "ro" if sealed else "rw"
+        subprocess.run([*_ROOT, "mount", "-o", f"remount,{mode}", str(self.path)], check=True)
+
     def free(self) -> None:
         """There is room again."""
         self._filler.unlink()

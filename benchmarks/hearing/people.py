@@ -38,8 +38,7 @@ from benchmarks.hearing.speech_to_text import untouched
 from benchmarks.hearing.wake_words import ENGINES, LABELS, is_heard, judged
 from edgevox.agent.skills import Call, SkillSet
 from edgevox.models import ModelMissing, locate
-from edgevox.ros2.robot_file.format import load_robot_file
-from edgevox.ros2.robot_file.skills import described_skills
+from edgevox.ros2.robot_file.skills import load_described
 from edgevox.voice.audio import RATE_HZ, Samples
 from edgevox.voice.stop_spotter.network import ENCODER
 from edgevox.voice.stop_spotter.spotter import open_stop_spotter
@@ -145,8 +144,7 @@ def measure(quick: bool = False) -> Measured:
 
 def barista() -> SkillSet:
     """The skills of the robot file."""
-    described = load_robot_file(BARISTA)
-    return SkillSet([one.skill() for one in described_skills(described.robot, described.file)])
+    return SkillSet([one.skill() for one in load_described(BARISTA).skills])
 
 
 def in_noise(clip: Samples, condition: str, seed: str) -> Samples:

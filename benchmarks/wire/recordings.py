@@ -161,10 +161,10 @@ def _uploader(folder: Path, output: Path, config: Path) -> tuple[list[str], Mapp
     (loop,) = service["services"]["recordings"]["command"]
     for there, here in (
         ("$$", "$"),
+        ("/tmp/", f"{folder}/"),  # noqa: S108 - the container's
         ("/run/secrets/recordings_config", str(config)),
         ("/recordings/", f"{output}/"),
         ("/recordings ", f"{output} "),
-        ("/tmp/ended", str(folder / "ended")),  # noqa: S108 - the container's
     ):
         assert there in loop
         loop = loop.replace(there, here)

@@ -9,11 +9,13 @@ import argparse
 import io
 import json
 import os
+import stat
 import sys
 import tarfile
 import time
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from pathlib import Path, PurePosixPath
 from typing import BinaryIO
 
@@ -74,9 +76,14 @@ def tar_of(files: Iterable[tuple[str, bytes]]) -> bytes:
 def write_archive(archive: bytes, file: str) -> bool:
     """Write it to a new file that only its owner may read, or to standard output.
 
-    Returns whether it is a file. Raises `OSError`.
+    Returns whether it is a file. A file that a shell made of standard output becomes its owner's
+    alone, too; one at the other end of a pipe cannot. Raises `OSError`.
     """
     if file == STREAM:
+        with suppress(OSError):
+            output = sys.stdout.buffer.fileno()
+            if stat.S_ISREG(os.fstat(output).st_mode):
+                os.fchmod(output, PRIVATE)
         sys.stdout.buffer.write(archive)
         return False
     descriptor = os.open(file, os.O_WRONLY | os.O_CREAT | os.O_EXCL, PRIVATE)

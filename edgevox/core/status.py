@@ -87,6 +87,7 @@ class ComponentName(StrEnum):
     INTERLOCK = "interlock"
     CONSOLE = "console"
     RECORDINGS = "recordings"
+    RECORDER = "recorder"
     POLICY = "policy"
     DISK = "disk"
     CLOCK = "clock"

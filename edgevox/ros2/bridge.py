@@ -24,6 +24,7 @@ from rclpy.exceptions import InvalidParameterTypeException
 from rclpy.executors import Executor
 from rclpy.node import Node
 from rclpy.parameter import Parameter as RosParameter
+from rclpy.serialization import deserialize_message
 from sensor_msgs.msg import CompressedImage
 from std_msgs.msg import Float32, String
 from std_srvs.srv import Trigger
@@ -31,12 +32,23 @@ from std_srvs.srv import Trigger
 from edgevox.agent.policy import CheckedCall, Denied
 from edgevox.core.agent_events import AgentEvent
 from edgevox.core.bus import Bus
+from edgevox.core.clock import Clock, SystemClock
 from edgevox.core.commands import CancelProgram, Reset, RunSkill, Way
 from edgevox.core.controls import Controls, Value
 from edgevox.core.errors import EdgeVoxError, InvalidValue, Refusal
 from edgevox.core.events import ControlChanged, PictureTaken, RobotState
+from edgevox.core.files.text import printable
 from edgevox.core.log import get_logger
-from edgevox.core.status import Component, Components, Status
+from edgevox.core.status import (
+    LATELY_S,
+    Component,
+    ComponentName,
+    Components,
+    HealthCheck,
+    Level,
+    Off,
+    Status,
+)
 from edgevox.robots.capabilities import Body
 from edgevox.robots.node_handle import OnRos2
 from edgevox.robots.pictures import has_camera
@@ -46,6 +58,7 @@ from edgevox.ros2.contract import (
     PARAMETERS,
     PUBLISHED,
     QUERIES,
+    RECORDER_NODE,
     SUBSCRIBED,
     Queries,
     answer_json,
@@ -67,6 +80,8 @@ log = get_logger(__name__)
 _TYPES: dict[str, Any] = {STRING: String, "std_msgs/msg/Float32": Float32}
 _PNG = "rgb8; png compressed rgb8"
 """The format, as image_transport's plug-in of compressed images writes it."""
+MOST_SAID = 300
+"""Characters of another node's words that are passed on."""
 
 
 class Topics:
@@ -185,13 +200,14 @@ class DiagnosticsPublisher:
         self._name = str(node.get_fully_qualified_name())
         row = DIAGNOSTICS
         self._publisher = node.create_publisher(DiagnosticArray, row.topic, profile(row.qos))
-        self._forget: Callable[[], None] = ticker.every(1.0 / row.rate_hz, self._publish)
+        self._forget: Callable[[], None] = ticker.every(1.0 / row.rate_hz, self.publish)
 
     def close(self) -> None:
         """Publish nothing more."""
         self._forget()
 
-    def _publish(self) -> None:
+    def publish(self) -> None:
+        """Publish the report now."""
         message = DiagnosticArray()
         message.status = [as_message(self._name, one) for one in self._components.statuses()]
         message.header.stamp = self._node.get_clock().now().to_msg()
@@ -207,6 +223,49 @@ def as_message(node: str, status: Status) -> DiagnosticStatus:
         hardware_id=node,
         values=[KeyValue(key=key, value=value) for key, value in status.texts.items()],
     )
+
+
+class HeardRecorder:
+    """What a recorder of this namespace, a program of its own, says of itself on `/diagnostics`.
+
+    All nodes of a robot talk there, so only a message that names the recorder is looked into.
+    """
+
+    name = ComponentName.RECORDER
+    checks: tuple[HealthCheck, ...] = ()
+
+    def __init__(self, node: Node, clock: Clock | None = None) -> None:
+        self._clock = clock or SystemClock()
+        self._said_by = f"{node.get_namespace().rstrip('/')}/{RECORDER_NODE}: {self.name}"
+        self._heard_s = 0.0
+        self._last: DiagnosticStatus | None = None
+        try:
+            node.create_subscription(
+                DiagnosticArray, DIAGNOSTICS.topic, self.hear, profile(DIAGNOSTICS.qos), raw=True
+            )
+        except RuntimeError as error:  # an enclave of an older EdgeVox has no right to
+            log.warning("recorder_unheard", reason=str(error))
+
+    def hear(self, data: bytes) -> None:
+        """Take a message as it came."""
+        if self._said_by.encode() + b"\0" in data:
+            for one in deserialize_message(data, DiagnosticArray).status:
+                if one.name == self._said_by:
+                    self._heard_s, self._last = self._clock.now(), one
+
+    def status(self) -> Status:
+        """Its last words, or that it has fallen silent without saying that it ended."""
+        last = self._last
+        if last is None:
+            return Off(self.name, "none was heard").status()
+        silent_s = self._clock.now() - self._heard_s
+        ended = KeyValue(key="ended", value="true") in last.values
+        if silent_s > LATELY_S and not ended:
+            text = f"silent for {silent_s:.0f} s: it was killed, or hangs"
+            return Status(self.name, Level.WARN, text, {"recording": False})
+        level = Level(min(ord(last.level), Level.ERROR))
+        said = printable(last.message[:MOST_SAID])
+        return Status(self.name, level, said, {"recording": level < Level.ERROR and not ended})
 
 
 def declare(node: Node, values: Mapping[str, Value]) -> dict[str, Value]:
@@ -354,7 +413,7 @@ class RosBridge:
     @property
     def components(self) -> Sequence[Component]:
         """The components that report their status."""
-        return (ExecutorComponent(self._counts), self._presence)
+        return (ExecutorComponent(self._counts), self._presence, self._recorder)
 
     def _counts(self) -> ExecutorCounts:
         node = self._node
@@ -380,6 +439,7 @@ class RosBridge:
         controls.change({name: values[name] for name in _CONTROLS})
         robot = context.body.name if context.body else ""
         self._presence = Presence(node, robot, context.interlock, self._ticker)
+        self._recorder = HeardRecorder(node)
         backlog = Backlog(node, context.interlock)
         parameters = Parameters(node, self._node.executor, controls, bus)
         parameters.show(_CONTROLS)

@@ -28,8 +28,11 @@ _TIME_LENGTH = len("20261128-120000")
 OPEN = ".open"
 BROKEN = ".broken"
 METADATA = "metadata.yaml"
-UPLOAD_FAILED = "upload.failed"
-"""Beside the recordings for as long as the uploader's runs fail; it makes and removes the file."""
+UPLOAD_FAILED, UPLOAD_DONE = "upload.failed", "upload.done"
+"""The uploader's notes beside the recordings. The first is there for as long as its runs fail; the
+second is as old as the begin of its last run that did not, and holds the seconds between two."""
+UPLOAD_TAKES_S = 2 * 3600.0
+"""A file that waits for longer than this, and the seconds between two runs, waits too long."""
 _NUMBER = re.compile(r"_(\d+)\.mcap")
 
 
@@ -70,6 +73,23 @@ def folders(output: Path) -> list[Path]:
 def used_bytes(output: Path) -> int:
     """The bytes of all recordings in a folder, with those that are written or broken."""
     return sum(size_bytes(file) for folder in folders(output) for file in _in(folder))
+
+
+def upload_fault(output: Path, now_s: float) -> str:
+    """Why recordings do not reach the store; empty if they do, or if no uploader was ever here."""
+    if (output / UPLOAD_FAILED).exists():
+        return "the upload fails: see the uploader's log"
+    done = output / UPLOAD_DONE
+    try:
+        began_s, every_s = done.stat().st_mtime, int(done.read_text("ascii"))
+    except (OSError, ValueError):
+        return ""
+    ends = (_changed_s(file) for folder in folders(output) for file in finished(folder))
+    first_s = min((end_s for end_s in ends if end_s > began_s), default=now_s)
+    if now_s - first_s <= UPLOAD_TAKES_S + every_s:
+        return ""
+    since = datetime.fromtimestamp(began_s, UTC)
+    return f"nothing was uploaded since {since:%Y-%m-%d %H:%M} UTC: see the uploader's log"
 
 
 def file_number(name: str) -> int:
@@ -136,6 +156,14 @@ def remove(file: Path) -> None:
     file.unlink(missing_ok=True)
     with suppress(OSError):  # there are more files
         file.parent.rmdir()
+
+
+def _changed_s(file: Path) -> float:
+    """When a file was changed last, in seconds since 1970; 0 if it was removed just now."""
+    try:
+        return file.stat().st_mtime
+    except FileNotFoundError:
+        return 0.0
 
 
 def _in(folder: Path, *ends: str) -> list[Path]:

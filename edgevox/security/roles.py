@@ -130,7 +130,8 @@ def _agent(graph: Graph) -> Rights:
 def _talks(graph: Graph) -> Rights:
     out = [row.topic for row in PUBLISHED] + [DIAGNOSTICS.topic, PRESENCE.topic]
     into = [row.topic for row in SUBSCRIBED] + [row.topic for row in SHARED]
-    return publishes(*map(graph.at, out)) | subscribes(*map(graph.at, into))
+    heard = [*map(graph.at, into), DIAGNOSTICS.topic]
+    return publishes(*map(graph.at, out)) | subscribes(*heard)
 
 
 def _moves(graph: Graph) -> Rights:

@@ -19,6 +19,10 @@ log = get_logger(__name__)
 MAX_WAITING = 8
 """The most utterances that may wait. One more is refused, counted and reported."""
 
+MAY_STOP = 0.25
+"""The share from which on a hypothesis that is a stop counts as said. A stop that one of two
+hearings is sure of has half; of 692 utterances without one, none had so much."""
+
 
 @dataclass(frozen=True, slots=True)
 class TranscriptionJob:
@@ -237,8 +241,16 @@ class Transcriber:
             self.failed += 1
             log.exception("speech_to_text_broke")
         else:
-            return _after(job.phrase, said) if job.phrase else said
+            return self._stop_first(_after(job.phrase, said) if job.phrase else said)
         return Transcript("")
+
+    def _stop_first(self, said: Transcript) -> Transcript:
+        """The transcript, with a stop that may have been said as its words: when in doubt, stop."""
+        likely = (one for one in said.others if one.share >= MAY_STOP)
+        stop = next((one for one in likely if self._is_stop(one.text)), None)
+        if stop is None or self._is_stop(said.text):
+            return said
+        return replace(said, text=stop.text, confidence=stop.confidence)
 
 
 def _after(phrase: str, said: Transcript) -> Transcript:

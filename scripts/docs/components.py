@@ -89,12 +89,19 @@ COMPONENTS: tuple[ComponentRow, ...] = (
     ),
     ComponentRow(
         ComponentName.RECORDINGS,
-        "the recordings that are started on the console's page. A recorder of its own reports as"
-        " component `recorder` of its node",
-        "the last recording failed, or there is no room for one; of a recorder of its own also that"
-        " the uploads fail, or that messages were lost",
-        "of a recorder of its own: nothing can be written",
+        "the recordings that are started on the console's page",
+        "the last recording failed, or there is no room for one",
+        "",
         "make room; [the recorder](operations.md#the-recorder)",
+    ),
+    ComponentRow(
+        ComponentName.RECORDER,
+        "a recorder that is a program of its own, as it says on `/diagnostics` itself, where the"
+        " agent hears it",
+        "its uploads fail or have been behind for 2 hours, it has lost messages, or it is silent"
+        " and has not said that it ended",
+        "it cannot write",
+        "make room; read the uploader's log; start it; [the recorder](operations.md#the-recorder)",
     ),
     ComponentRow(
         ComponentName.POLICY,

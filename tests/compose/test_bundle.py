@@ -35,6 +35,7 @@ NAMESPACES = (
 )
 """Ways to a network namespace of one's own: as root, as whoever may, as whoever may become root."""
 MODEL = "micro-wake-words"
+SOON = "2099-01-01T00:00:00Z"
 Files = dict[str, bytes]
 
 
@@ -50,15 +51,19 @@ def no_network() -> tuple[str, ...]:
 @pytest.fixture(scope="module")
 def tiny(tmp_path_factory, image) -> Iterator[str]:
     """An image with nothing but a bill of materials; `image` only says that an engine is there."""
-    folder, name = tmp_path_factory.mktemp("tiny"), f"edgevox-test-tiny:{os.getpid()}"
+    name = f"edgevox-test-tiny:{os.getpid()}"
+    build(tmp_path_factory.mktemp("tiny"), name, "7.8.9.dev12")
+    yield name
+    docker("rmi", "--force", name)
+
+
+def build(folder: Path, name: str, version: str) -> None:
     (folder / "sbom.json").write_text('{"bomFormat": "CycloneDX", "components": []}')
     (folder / "Dockerfile").write_text(
         f"FROM scratch\nCOPY sbom.json /opt/edgevox/sbom.json\nLABEL of={name}\n"
-        "LABEL org.opencontainers.image.version=7.8.9.dev12\n"
+        f"LABEL org.opencontainers.image.version={version}\n"
     )
     docker("build", "--quiet", "--tag", name, str(folder))
-    yield name
-    docker("rmi", "--force", name)
 
 
 @pytest.fixture(scope="module")
@@ -441,16 +446,51 @@ def install_without_loading(key: Path, archive: Path, folder: Path, *more: str) 
 
 def test_an_older_one_is_refused_unless_that_is_asked_for(archive, keys, tmp_path):
     key, robot = keys / "site.pub", tmp_path / "robot"
-    newer = dated(archive, keys, tmp_path / "newer.tar", "2099-01-01T00:00:00Z")
+    newer = dated(archive, keys, tmp_path / "newer.tar", SOON)
     assert install_without_loading(key, newer, robot / "newer")[0] == 0
 
     code, said = install_without_loading(key, archive, robot / "older")
     assert (code, said.count("\n")) == (1, 1)
-    assert "is older than the last one, of 2099-01-01T00:00:00Z" in said
+    assert f"is older than the last one, of {SOON}" in said
     assert sorted(one.name for one in robot.iterdir()) == [".edgevox-bundle", "newer"]
 
     assert install_without_loading(key, archive, robot / "older", "--allow-downgrade")[0] == 0
     assert install_without_loading(key, newer, robot / "newer")[0] == 0, "and forward again"
+
+
+def test_the_previous_folder_goes_on_starting_the_previous_image(archive, keys, tmp_path, tiny):
+    """The runbook's way back, also where its image was pruned, and its settings were left alone."""
+    key, robot, later = keys / "site.pub", tmp_path / "robot", f"{tiny}-later"
+    (tmp_path / "later").mkdir()
+    build(tmp_path / "later", later, "7.8.9.dev13")
+    update = dated(
+        made(later, keys / "site", tmp_path / "out"), keys, tmp_path / "update.tar", SOON
+    )
+
+    def started(folder: str) -> str:
+        told = compose_config(robot / folder)["services"]["edgevox-ros2"]
+        assert told["environment"]["ROS_DOMAIN_ID"] == "7"
+        return told["image"]
+
+    try:
+        assert installed(key, archive, robot / "old")[0] == 0
+        old = docker("image", "inspect", "--format={{.Id}}", image_name(archive)).strip()
+        with (robot / "old" / ".env").open("a") as env:
+            env.write("ROS_DOMAIN_ID=7\n")
+        assert installed(key, update, robot / "new")[0] == 0
+        new = docker("image", "inspect", "--format={{.Id}}", image_name(update)).strip()
+        assert old != new
+        assert (started("old"), started("new")) == (old, new)
+
+        docker("rmi", "--force", old)
+        assert not loaded(old)
+        code, said = installed(key, archive, robot / "old", "--allow-downgrade")
+        assert code == 0, said
+        assert loaded(old)
+        assert (started("old"), started("new")) == (old, new)
+    finally:
+        docker("tag", image_name(archive), tiny)
+        docker("rmi", "--force", image_name(archive), image_name(update), later)
 
 
 def test_a_site_that_installs_twice_has_what_it_had(archive, keys, tmp_path):
@@ -478,7 +518,7 @@ def test_the_sites_settings_and_files_are_copied_to_the_next_ones_folder(archive
     (one / "site" / "robot").mkdir(parents=True)
     (one / "site" / "robot" / "robot.yaml").write_text("mine")
     (one / "compose" / "robot.yml").write_text("edited")
-    newer = dated(archive, keys, tmp_path / "newer.tar", "2099-01-01T00:00:00Z")
+    newer = dated(archive, keys, tmp_path / "newer.tar", SOON)
 
     code, said = install_without_loading(key, newer, robot / "two")
 

@@ -108,6 +108,35 @@ def test_scripts_of_the_build_are_sound(script):
         subprocess.run(["bash", "-n", script], check=True)
 
 
+def test_what_others_make_is_named_by_its_hash():
+    """Actions by commit, images by digest: a tag may be moved."""
+    workflows = [*(ROOT / ".github").rglob("*.yml"), *(ROOT / "examples").rglob("*.yml")]
+    texts = {path: path.read_text() for path in (*workflows, *(ROOT / "compose").glob("*.yml"))}
+    used = {
+        one: path
+        for path, text in texts.items()
+        for one in re.findall(r"^ +(?:- )?(?:uses|image): *\"?([^\s\"]+)", text, re.MULTILINE)
+        if "EDGEVOX_IMAGE" not in one
+    }
+    assert len(used) > 8
+    by_tag = {one for one in used if not re.search(r"@(sha256:[0-9a-f]{64}\}?|[0-9a-f]{40})$", one)}
+    assert not by_tag
+
+
+def test_the_labels_say_of_which_source_and_base_an_image_is():
+    given = {"VERSION": "1.2.3", "REVISION": "abc", "CREATED": "2026-11-29T00:00:00Z"}
+    given |= {"SOURCE": "https://git/edgevox", "BASE_DIGEST": "sha256:1"}
+    for target in baked(**given).values():
+        labels = {name.partition("image.")[2]: one for name, one in target["labels"].items()}
+        assert labels == {
+            "version": "1.2.3",
+            "revision": "abc",
+            "created": "2026-11-29T00:00:00Z",
+            "source": "https://git/edgevox",
+            "base.digest": "sha256:1",
+        }
+
+
 def test_both_architectures_are_defined():
     targets = baked(PLATFORMS="linux/amd64,linux/arm64")
     assert set(targets) == {"edgevox", "slim"}

@@ -25,6 +25,9 @@ def test_a_recording_that_a_kill_left_open_is_found_mended_and_copied(tmp_path):
         assert said.stdout.startswith("ok: recording ok")
         wait_until(lambda: ".mcap.open" in one.call(*asked, "ls", "-R", "/recordings").stdout, "it")
         assert "/recordings" in one.call("exec", "-T", "recorder", "df", "/recordings").stdout
+        one.execute("recorder", "touch", "/recordings/upload.failed")
+        asked_robot = ("exec", "-T", "edgevox-ros2", "edgevox", "doctor", "--only", "running")
+        wait_until(lambda: "recorder: the upload fails" in one.call(*asked_robot).stdout, "it")
         one.call("kill", "recorder")
         mended = one.call(*asked, "edgevox-recorder", "--output", "/recordings", "--mend")
         assert mended.returncode == 0, mended.stderr

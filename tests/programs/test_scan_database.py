@@ -89,6 +89,44 @@ def test_a_folder_holds_entries_and_archives(tmp_path: Path) -> None:
     assert "PYSEC-1\n" in said
 
 
+def test_a_folder_as_osv_publishes_it_is_read_with_all_that_its_entries_tell(
+    tmp_path: Path,
+) -> None:
+    """One archive for each ecosystem, and every field of OSV's schema, also those of no use."""
+    commits = {"type": "GIT", "repo": "https://git/one", "events": [{"introduced": "0"}]}
+    whole = entry("PYSEC-2026-1", "PyPI", "one", {"introduced": "0"}, {"last_affected": "1.1"})
+    whole |= {
+        "schema_version": "1.7.0",
+        "published": "2026-01-01T00:00:00Z",
+        "modified": "2026-11-02T03:04:05.678901Z",
+        "aliases": ["CVE-2026-1", "GHSA-aaaa-bbbb-cccc"],
+        "upstream": [],
+        "related": [],
+        "summary": "one",
+        "details": "# one",
+        "severity": [{"type": "CVSS_V3", "score": "CVSS:3.1/AV:N"}],
+        "references": [{"type": "WEB", "url": "https://one"}],
+        "credits": [{"name": "one", "type": "FINDER"}],
+        "database_specific": {"source": "https://one"},
+    }
+    (about,) = whole["affected"]
+    about["package"]["purl"] = "pkg:pypi/one"
+    about["ranges"].insert(0, commits)
+    about |= {"ecosystem_specific": {"severity": "LOW"}, "database_specific": {"cwes": []}}
+    of_git_alone = {"id": "OSV-2026-1", "modified": "", "affected": [{"ranges": [commits]}]}
+    for number, archive in enumerate(("PyPI", "npm", "Debian", "Ubuntu")):
+        (tmp_path / "osv" / archive).mkdir(parents=True)
+        more = [whole, of_git_alone] if archive == "PyPI" else []
+        zipped(tmp_path / "osv" / archive / "all.zip", NOTHING[number], *more)
+    code, said = scan(tmp_path, tmp_path / "osv", "pkg:pypi/one@1.1.0", "pkg:pypi/one@1.2")
+
+    assert code == 1
+    assert "could not look" not in said
+    assert [line for line in said.splitlines() if "PYSEC" in line] == [
+        f"PyPI one 1.1.0 ({tmp_path}/sbom.json): PYSEC-2026-1"
+    ]
+
+
 BOUNDED = ({"introduced": "1.2"}, {"fixed": "1.10"}, {"introduced": "2.0rc1"}, {"fixed": "2.1"})
 LAST = ({"introduced": "1.0"}, {"last_affected": "1.0"})
 LIMITED = ({"introduced": "0"}, {"limit": "1.5"})
@@ -110,6 +148,8 @@ LIMITED = ({"introduced": "0"}, {"limit": "1.5"})
         ("Ubuntu:24.04:LTS", ({"introduced": "0"}, {"fixed": "2.39-0ubuntu8.4"}),
          ("2.39-0ubuntu8.3",), ("2.39-0ubuntu8.4", "2.39-0ubuntu8.10")),
         ("Debian", ({"introduced": "0"}, {"fixed": "2"}), ("1.9",), ("2",)),
+        ("Ubuntu:Pro:24.04:LTS", ({"introduced": "0"}, {"fixed": "1.2-3ubuntu0.1~esm1"}),
+         ("1.2-3", "1.2-2ubuntu9"), ("1.2-3ubuntu0.1~esm1", "1.2-3ubuntu0.1")),
     ],
 )  # fmt: skip
 def test_ranges_are_read_as_the_schema_of_osv_says(
@@ -120,7 +160,9 @@ def test_ranges_are_read_as_the_schema_of_osv_says(
     outside: tuple[str, ...],
 ) -> None:
     database = zipped(tmp_path / "all.zip", entry("CVE-1", ecosystem, "one", *events))
-    asked = "Debian:12" if ecosystem == "Debian" else ecosystem
+    asked = {"Debian": "Debian:12", "Ubuntu:Pro:24.04:LTS": "Ubuntu:24.04:LTS"}.get(
+        ecosystem, ecosystem
+    )
     packages = [osv_database.Package(asked, "one", version) for version in (*inside, *outside)]
     looked = osv_database.look_up(packages, database)
 

@@ -12,8 +12,8 @@ from peer import RELIABLE, Peer
 from waiting import wait_until
 
 COMPONENTS = ["audio", "stt", "llm", "tts", "sim"]
-COMPONENTS += ["executor", "presence", "interlock", "console", "recordings", "policy"]
-COMPONENTS += ["disk", "clock", "process"]
+COMPONENTS += ["executor", "presence", "interlock", "console", "recordings", "recorder"]
+COMPONENTS += ["policy", "disk", "clock", "process"]
 EDGEVOX = str(Path(AGENT).with_name("edgevox"))
 
 

@@ -18,19 +18,20 @@ from pathlib import Path
 import phrases
 import pytest
 import yaml
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from guards import HUNG_S
 from mcap.exceptions import EndOfFile
 from mcap.reader import make_reader
 from mcap.records import Chunk
 from mcap.stream_reader import StreamReader
-from peer import STATE
+from peer import RELIABLE, STATE
 from recordings import texts_of, until_recorded
 from robot_states import far_room
 from rosbags.highlevel import AnyReader
 from waiting import Heard, wait_until
 
 from edgevox.ros2.recorder.disk import FLUSH_S
-from edgevox.ros2.recordings import file_number, finished, opened
+from edgevox.ros2.recordings import UPLOAD_FAILED, file_number, finished, opened
 
 RECORDER = str(Path(sys.executable).with_name("edgevox-recorder"))
 SCENARIOS = Path(__file__).parents[2] / "scenarios"
@@ -169,6 +170,34 @@ def test_a_drive_is_recorded_as_a_peer_saw_it(robot, recorder, far):
     assert about["rosbag2_bagfile_information"]["message_count"] == counted.total()
 
 
+def test_it_says_how_it_is_and_the_agent_passes_that_on(robot, recorder):
+    heard = Heard()
+    robot.node.create_subscription(DiagnosticArray, "/diagnostics", heard.add, RELIABLE)
+
+    def told(level, message):
+        since = len(heard.messages)
+        for node in ("edgevox_recorder", "edgevox"):
+            name = f"/edgevox/{node}: recorder"
+            expected = {(name, level, message)}
+            heard.wait_for(
+                lambda array, expected=expected: (
+                    expected & {(one.name, one.level, one.message) for one in array.status}
+                ),
+                since=since,
+            )
+
+    one = recorder().wait_until_it_records()
+    told(DiagnosticStatus.OK, "records")
+    (one.output / UPLOAD_FAILED).touch()
+    told(DiagnosticStatus.WARN, "the upload fails: see the uploader's log")
+    (one.output / UPLOAD_FAILED).unlink()
+    told(DiagnosticStatus.OK, "records")
+    ended = threading.Thread(target=one.end)
+    ended.start()
+    told(DiagnosticStatus.OK, "has ended")
+    ended.join()
+
+
 def test_what_is_lost_by_a_kill_is_less_than_a_second():
     assert FLUSH_S < 1.0
 
@@ -263,12 +292,25 @@ def test_a_ring_goes_on_for_ever_in_the_room_that_it_has(robot, recorder, far):
 
 
 @pytest.mark.long
-def test_a_disk_that_takes_no_more_is_said_and_costs_no_more_than_the_exit_code(recorder):
+def test_a_disk_that_takes_no_more_is_said_and_costs_no_more_than_the_exit_code(robot, recorder):
     def small_files():
         resource.setrlimit(resource.RLIMIT_FSIZE, (60_000, 60_000))
 
+    heard = Heard()
+    robot.node.create_subscription(DiagnosticArray, "/diagnostics", heard.add, RELIABLE)
     one = recorder(preexec_fn=small_files)
     one.wait_until_it_says("recording_stopped")
+    for level, said in (
+        (DiagnosticStatus.ERROR, "File too large"),
+        (DiagnosticStatus.ERROR, "lost by now: the log has the reason (messages_not_recorded)"),
+    ):
+        heard.wait_for(
+            lambda array, level=level, said=said: any(
+                one.name == "/edgevox/edgevox: recorder"
+                and (one.level, said in one.message) == (level, True)
+                for one in array.status
+            )
+        )
     assert one.end() == 74
     assert any("recording_stopped" in line and "File too large" in line for line in one.lines)
     assert one.lines[-1].startswith("edgevox-recorder: not all was recorded: ")

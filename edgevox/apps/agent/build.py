@@ -332,6 +332,7 @@ def list_components(parts: AgentParts, gauges: Gauges) -> None:
         InterlockComponent(parts.interlock),
         Off(ComponentName.CONSOLE, "not asked for"),
         Off(ComponentName.RECORDINGS, "no console"),
+        Off(ComponentName.RECORDER, "no ROS 2"),
         PolicyComponent(parts.guard, lambda: known_names(parts.skills)),
         DiskComponent(
             lambda: written_folders(parts.settings), lambda: needed_folders(parts.settings)

@@ -67,6 +67,12 @@ CHECKS: tuple[Check, ...] = (
         machine.judge_models,
     ),
     Check(
+        "running",
+        "the robot that runs here, by `health_port`, is well: what its `/diagnostics` say",
+        machine.probe_running,
+        machine.judge_running,
+    ),
+    Check(
         "servers",
         "the servers of `llm_endpoint`, `stt_endpoint` and `tts_endpoint` answer, and have what is"
         " asked of them",

@@ -1,9 +1,12 @@
 """The checks of the machine and of this process.
 
 Python, processor, memory, disks, clock, GPU, OpenGL without a display; settings, folders that must
-be writable, container; the models that the settings need: whether they are here, and intact.
+be writable, container; the models that the settings need: whether they are here, and intact; and
+what a program that runs here says of itself.
 """
 
+import http.client
+import json
 import os
 import platform
 import sys
@@ -12,6 +15,7 @@ import time
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
+from typing import Any
 
 from edgevox import __version__
 from edgevox.agent.llm import weights
@@ -23,11 +27,13 @@ from edgevox.apps.agent.voice import needed_models
 from edgevox.apps.container.environment import warn_of_unknown
 from edgevox.apps.doctor.check import CheckVerdict, Facts, Situation, error, ok, skipped, warning
 from edgevox.apps.folders import needed_folders, ros_logs, written_folders
+from edgevox.apps.health import TIMEOUT_S, ask, reachable
 from edgevox.apps.robots import ROBOTS
 from edgevox.core.errors import EdgeVoxError, install_extra
 from edgevox.core.languages import LANGUAGES
 from edgevox.core.process import cpu_quota, usable_cpus
 from edgevox.core.settings import NO_LLM, Settings
+from edgevox.core.status import ComponentName, Level
 from edgevox.models import Store
 from edgevox.models.manifest import Model, ModelFile
 from edgevox.models.store import has_right_bytes, is_whole
@@ -379,3 +385,37 @@ def _file_state(store: Store, model: Model, file: ModelFile, *, quick: bool) -> 
 def _fetch(name: str, state: str = ABSENT) -> str:
     command = next(iter(fetch_commands([name])), f"edgevox-models fetch {name}")
     return command if state == ABSENT else f"edgevox-models verify {name}; {command}"
+
+
+def probe_running(situation: Situation) -> Facts:
+    """Ask the program on the health port of the settings how its components are."""
+    host, port = situation.settings.health_host, situation.settings.health_port
+    facts: Facts = {"port": port, "components": None}
+    if port:
+        try:
+            text = ask(reachable(host), port, "/status", timeout_s=TIMEOUT_S)[1]
+            told = [(str(o["name"]), Level(o["level"]), str(o["message"])) for o in _parts(text)]
+        except (OSError, http.client.HTTPException, ValueError, KeyError, TypeError):
+            return facts
+        return {**facts, "components": told}
+    return facts
+
+
+def _parts(text: str) -> list[dict[str, Any]]:
+    parts: list[dict[str, Any]] = json.loads(text)["components"]
+    return parts
+
+
+def judge_running(facts: Facts, _: Situation) -> CheckVerdict | list[CheckVerdict]:
+    """Judge a running program by what it says on /diagnostics."""
+    if facts["components"] is None:
+        why = f"nothing answers on port {facts['port']}" if facts["port"] else "no health_port"
+        return skipped(why, "start the robot, then ask again")
+    grades = {Level.WARN: warning, Level.ERROR: error}
+    advice = 'docs/monitoring.md, "Diagnostics", says what to do'
+    said = [
+        grades[level](f"{name}: {message}", advice)
+        for name, level, message in facts["components"]
+        if level in grades and name != ComponentName.PROCESS  # it repeats the others
+    ]
+    return said or [ok(f"on port {facts['port']}, all of its components are well")]

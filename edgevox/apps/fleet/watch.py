@@ -98,7 +98,7 @@ def _status(url: str) -> tuple[dict[str, str], RobotStatus]:
             stopped=_flag(_value(parts, "interlock", "engaged")),
             battery=_number(_value(parts, "sim", "battery")),
             disk_free_mib=_least(parts),
-            recording=_flag(_value(parts, "recordings", "recording")),
+            recording=_recording(parts),
         )
     except (OSError, http.client.HTTPException) as failed:
         return {"status": str(failed) or type(failed).__name__}, RobotStatus()
@@ -110,6 +110,13 @@ def _with_recorder(robot: RobotStatus, recorder: RobotStatus) -> RobotStatus:
     """A robot whose recorder is a program of its own: it records for as long as it answers."""
     records = bool(robot.recording) or recorder.version is not None
     return RobotStatus(**{**asdict(robot), "recording": records})
+
+
+def _recording(parts: Mapping[str, Any]) -> bool | None:
+    """Whether a person's recording runs, or a recorder of its own that the robot hears."""
+    told = [_flag(_value(parts, name, "recording")) for name in ("recordings", "recorder")]
+    known = [one for one in told if one is not None]
+    return any(known) if known else None
 
 
 def _value(parts: Mapping[str, Any], component: str, name: str) -> object:

@@ -309,7 +309,7 @@ _READ = (
     Metric(
         "edgevox_recordings_upload_failed",
         Kind.GAUGE,
-        "1 while the last upload of recordings failed",
+        "1 while uploads of recordings fail, or have been behind for 2 hours",
         of="the recorder",
         read={"": "recorder.upload_failed"},
     ),

@@ -30,6 +30,8 @@ from edgevox.ros2.recordings import (
 log = get_logger(__name__)
 
 MB = 1_000_000
+GO_ON_SPARE = 1.25
+"""A recording that had no room goes on with so many times the free space that stops it."""
 COUNT_S = 5.0
 """The files of other recordings are counted after this time again."""
 
@@ -76,9 +78,11 @@ class Room:
         most = self._disk.total_bytes
         return most is not None and self.used_bytes >= most
 
-    def find(self) -> str:
+    def find(self, *, stopped: bool = False) -> str:
         """Make room, if that is asked for; the reason why there is none, else empty.
 
+        A recording that is `stopped` already needs more room than one that runs, and gives up none
+        of its files for it: others fill the disk, so the next file would go the same way at once.
         Raises `OSError`.
         """
         ring = self._disk.when_full is WhenFull.RING
@@ -88,10 +92,10 @@ class Room:
         if self._disk.when_full is not WhenFull.END and self.over:
             most = self._disk.total_bytes or 0
             return f"recordings have {self.used_bytes // MB} MB, and may have {most // MB} MB"
-        spare = self._disk.spare_bytes
-        if self.free_bytes < spare and not (ring and self._spare_one()):
+        spare = round(self._disk.spare_bytes * (GO_ON_SPARE if stopped else 1.0))
+        if self.free_bytes < spare and not (ring and not stopped and self._spare_one()):
             left = self.free_bytes // MB
-            return f"the disk is full: {left} MB are left, {spare // MB} MB are for others"
+            return f"the disk is full: {left} MB are left, {spare // MB} MB are needed"
         return ""
 
     def _look(self) -> None:
@@ -231,15 +235,18 @@ class Writing:
 
     def _work(self) -> None:
         while not self._closing.wait(self._flush_s):
-            self._round()
+            self.look()
         self._retry_at_s = 0.0  # there is no later
-        self._round()
+        self.look()
         if not self._try(lambda: self.bag.end_file(self._notes())):
             self._lose_file()
         self._try(self.bag.close)
 
-    def _round(self) -> None:
-        """Write the messages since the last round, after those that could not be written before."""
+    def look(self) -> None:
+        """Write the messages since the last look, after those that could not be written before.
+
+        Its thread does; a test that turns the clock does it instead of `start`.
+        """
         messages = self._inbox.take()
         if not (self._may_write() and self._try(self._catch_up)):
             if messages:
@@ -272,7 +279,7 @@ class Writing:
         if self.fault and self._clock.now() < self._retry_at_s:
             return False
         try:
-            why = self.room.find()
+            why = self.room.find(stopped=bool(self.fault))
         except OSError as error:
             self._stop(str(error))
             return False

@@ -8,6 +8,7 @@ from typing import Any
 from edgevox.core.errors import EdgeVoxError
 from edgevox.core.log import get_logger
 from edgevox.core.status import (
+    ComponentName,
     Components,
     Finding,
     HealthCheck,
@@ -24,7 +25,7 @@ from edgevox.ros2.recorder.disk import Disk, WriteQueue, Writing
 from edgevox.ros2.recorder.mcap import RecordedMessage, definition
 from edgevox.ros2.recorder.mend import mend_recordings
 from edgevox.ros2.recorder.recorded_topics import Recorded, message_class
-from edgevox.ros2.recordings import UPLOAD_FAILED
+from edgevox.ros2.recordings import upload_fault
 from edgevox.ros2.ticker import Ticker
 
 log = get_logger(__name__)
@@ -37,7 +38,7 @@ class Recorder:
     does not work, `EdgeVoxError` if the folder cannot be made.
     """
 
-    name = "recorder"
+    name = ComponentName.RECORDER
 
     def __init__(
         self,
@@ -51,7 +52,7 @@ class Recorder:
             self._writing = Writing(self._inbox, disk)
         except OSError as error:
             raise EdgeVoxError(f"output: {disk.folder}: {error.strerror or error}") from None
-        self._upload_failed = disk.folder.parent / UPLOAD_FAILED
+        self._output = disk.folder.parent
         self._closing = threading.Event()
         self._mending = threading.Thread(
             target=mend_recordings,
@@ -61,7 +62,7 @@ class Recorder:
         self.ros = RosNode(namespace, ros_args, name=RECORDER_NODE)
         self._ticker = Ticker("edgevox-recorder-diagnostics")
         self._losing = RecentIncrease()
-        self._report()
+        self._diagnostics = self._report()
         self.topics = tuple(topic for topic in topics if self._listen(topic))
 
     def start(self) -> None:
@@ -71,9 +72,11 @@ class Recorder:
         self._ticker.start()
 
     def close(self) -> None:
-        """Receive nothing more, and write the rest."""
+        """Receive nothing more, and write the rest. Who listens learns that it has ended."""
         self._closing.set()
         self._ticker.close()
+        if self._diagnostics:
+            self._diagnostics.publish()
         self.ros.close()
         self._writing.close()
         if self._mending.is_alive():
@@ -90,19 +93,21 @@ class Recorder:
 
     def status(self) -> Status:
         """Return the current status."""
-        upload_failed = self._upload_failed.exists()
+        upload = upload_fault(self._output, time.time())
+        ended = self._closing.is_set()
         findings = [Finding(Level.ERROR, self.fault)] if self.fault else []
         dropped = sum(self.dropped.values())
         if self._losing.grew(dropped):
             text = f"{dropped} messages lost by now: the log has the reason (messages_not_recorded)"
             findings.append(Finding(Level.WARN, text))
-        if upload_failed:
-            findings.append(Finding(Level.WARN, "the upload fails: see the uploader's log"))
+        if upload:
+            findings.append(Finding(Level.WARN, upload))
         return Status.judged(
             self.name,
             findings,
-            well="records",
-            upload_failed=upload_failed,
+            well="has ended" if ended else "records",
+            ended=ended,
+            upload_failed=bool(upload),
             written_messages=self.written,
             dropped_messages=dropped,
             used_bytes=self._writing.room.used_bytes,
@@ -134,12 +139,13 @@ class Recorder:
         """The number of messages that were lost, by topic."""
         return dict(self._inbox.dropped)
 
-    def _report(self) -> None:
+    def _report(self) -> DiagnosticsPublisher | None:
         """Tell its status on /diagnostics. An enclave of an older EdgeVox has no right to."""
         try:
-            DiagnosticsPublisher(self.ros.node, Components(self), self._ticker)
+            return DiagnosticsPublisher(self.ros.node, Components(self), self._ticker)
         except RuntimeError as error:
             log.warning("recorder_undiagnosed", reason=str(error))
+            return None
 
     def _listen(self, topic: Recorded) -> bool:
         try:

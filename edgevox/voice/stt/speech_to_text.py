@@ -206,6 +206,29 @@ def transcript_of(
     return Transcript(first.text, first.confidence, enough)
 
 
+def both(one: Transcript, other: Transcript) -> Transcript:
+    """Return what two hearings of one sound make together: each text by the mean of its shares.
+
+    A text that both have is as sure as the surer one of them is. Nothing is heard where the first
+    heard nothing.
+    """
+    if not one.text or not other.text:
+        return one
+    said: dict[str, Hypothesis] = {}
+    for heard in (one, other):
+        share = max(0.0, 1.0 - sum(h.share for h in heard.others))
+        for h in (Hypothesis(heard.text, share, heard.confidence), *heard.others):
+            known = said.setdefault(plain_words(h.text), replace(h, share=0.0))
+            said[plain_words(h.text)] = replace(
+                known,
+                share=known.share + h.share / 2,
+                confidence=max(known.confidence, h.confidence),
+            )
+    first, *others = sorted(said.values(), key=lambda h: h.share, reverse=True)
+    enough = tuple(h for h in others if h.share >= MAYBE_SAID)
+    return Transcript(first.text, first.confidence, enough)
+
+
 def _shares(hypotheses: Sequence[Segment]) -> list[float]:
     """Return the share of each hypothesis among all, by likelihood."""
     most = max((one.whole for one in hypotheses), default=0.0)

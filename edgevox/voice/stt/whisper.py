@@ -1,10 +1,11 @@
 """Whisper, by faster-whisper: 8 bit, on the CPU, with several hypotheses for each utterance.
 
-A model with an adapter hears better in noise, and processes only the speech, not 30 s.
+A model with an adapter hears better in noise, and processes only the speech, not 30 s. Words that
+it is not sure of are heard again by the same model with a part of the adapter; both count.
 """
 
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from contextlib import nullcontext
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -15,10 +16,11 @@ from numpy.typing import NDArray
 from edgevox.core.errors import EdgeVoxError
 from edgevox.core.process import usable_cpus
 from edgevox.voice.audio import FULL_SCALE, RATE_HZ, Samples
-from edgevox.voice.stt.adapter import adapted_folder, adapter_for
+from edgevox.voice.stt.adapter import Added, adapted_folder, adapter_for, weakened
 from edgevox.voice.stt.speech_to_text import (
     Segment,
     Transcript,
+    both,
     heard_again,
     is_doubtful,
     transcript_of,
@@ -40,14 +42,22 @@ SHORT_S = 9.0
 ROWS_A_SECOND, ROWS_AFTER = 100, 64
 """Rows of Whisper's features per second of sound, and the rows that follow the speech where less
 than 30 s is listened to."""
+SECOND_SHARE = 0.25
+"""The part of the adapter with which a model hears again. Chosen with real people's orders by the
+half of the speakers that `benchmarks/hearing/people.py` does not report."""
 _WARM_UP = np.zeros(RATE_HZ, np.int16)
 
 
 class _LoadedModel(NamedTuple):
-    """A model that is loaded, and whether it needs to hear no more than was said."""
+    """A model that is loaded: as it hears first, and with less of its adapter, if it has one."""
 
     engine: Any
-    short: bool
+    second: Any = None
+
+    @property
+    def short(self) -> bool:
+        """Whether it needs to hear no more than was said."""
+        return self.second is not None
 
 
 class Whisper:
@@ -80,12 +90,12 @@ class Whisper:
     def transcribe(self, samples: Samples, language: str) -> Transcript:
         prompt = self._prompt_of(language)
         with self._lock:
-            sound = self._encoded(samples, language)
-            found, seconds = sound.hypotheses(prompt), samples.size / RATE_HZ
-            said = transcript_of(found, seconds, prompt)
-            if not (prompt and is_doubtful(said, language)):
+            model = self._model_for(language)
+            said = _transcribe(model, samples, language, prompt)
+            if model.second is None or not is_doubtful(said, language):
                 return said
-            return transcript_of(found, seconds, prompt, heard_again(sound.hypotheses()))
+            again = model._replace(engine=model.second)
+            return both(said, _transcribe(again, samples, language, prompt))
 
     def hypotheses(self, samples: Samples, language: str, prompt: str = "") -> list[Segment]:
         """Return the hypotheses for the first 30 s, with Whisper's doubts.
@@ -93,7 +103,7 @@ class Whisper:
         The likeliest comes first.
         """
         with self._lock:
-            return self._encoded(samples, language).hypotheses(prompt)
+            return _EncodedSound(self._model_for(language), samples, language).hypotheses(prompt)
 
     @property
     def loaded(self) -> tuple[Path, ...]:
@@ -105,31 +115,44 @@ class Whisper:
         with self._lock:
             self._models.clear()
 
-    def _encoded(self, samples: Samples, language: str) -> "_EncodedSound":
+    def _model_for(self, language: str) -> _LoadedModel:
         path = self._paths.get(language) or self._model_of(language)
         model = self._model(path)
         self._paths[language] = path
-        return _EncodedSound(model, samples, language)
+        return model
 
     def _model(self, path: Path) -> _LoadedModel:
         if path not in self._models:
-            from faster_whisper import WhisperModel
-
             try:
                 (path / "tokenizer.json").stat()  # without it faster-whisper asks a model hub
                 added = adapter_for(path)
-                with adapted_folder(path, added) if added else nullcontext(path) as folder:
-                    engine = WhisperModel(
-                        str(folder),
-                        device="cpu",
-                        compute_type="int8",
-                        cpu_threads=self._threads,
-                        local_files_only=True,
-                    )
+                second = self._open(path, weakened(added, SECOND_SHARE)) if added else None
+                self._models[path] = _LoadedModel(self._open(path, added), second)
             except Exception as error:  # its libraries raise whatever they like for a file
                 raise EdgeVoxError(f"speech to text: cannot load {path}: {error}") from error
-            self._models[path] = _LoadedModel(engine, short=bool(added))
         return self._models[path]
+
+    def _open(self, path: Path, added: Mapping[str, Added]) -> Any:
+        from faster_whisper import WhisperModel
+
+        with adapted_folder(path, added) if added else nullcontext(path) as folder:
+            return WhisperModel(
+                str(folder),
+                device="cpu",
+                compute_type="int8",
+                cpu_threads=self._threads,
+                local_files_only=True,
+            )
+
+
+def _transcribe(model: _LoadedModel, samples: Samples, language: str, prompt: str) -> Transcript:
+    """What the model hears; heard again without the prompt, if it is not sure of its words."""
+    sound, seconds = _EncodedSound(model, samples, language), samples.size / RATE_HZ
+    found = sound.hypotheses(prompt)
+    said = transcript_of(found, seconds, prompt)
+    if not (prompt and is_doubtful(said, language)):
+        return said
+    return transcript_of(found, seconds, prompt, heard_again(sound.hypotheses()))
 
 
 class _EncodedSound:

@@ -74,11 +74,13 @@
   # As in compose/recordings.yml. What has its own name is whole and never changes.
   args:
     - >-
-      touch /tmp/ended; while true; do
+      touch /tmp/ended; while true; do echo "$UPLOAD_EVERY_S" >/tmp/began;
       if rclone --config /run/secrets/rclone/rclone.conf "$UPLOAD_VERB" /recordings "$UPLOAD_TO"
-      --include '*.{mcap,yaml}' --immutable --s3-no-check-bucket --log-level NOTICE --max-duration 30m;
-      then rm -f /recordings/upload.failed; else touch /recordings/upload.failed; fi;
-      touch /tmp/ended; sleep "$UPLOAD_EVERY_S"; done
+      --include '*.{mcap,yaml}' --immutable --s3-no-check-bucket --log-level NOTICE --max-duration 30m
+      --retries 1 --low-level-retries 5 --contimeout 15s;
+      then rm -f /recordings/upload.failed && cp -p /tmp/began /recordings/upload.done;
+      else touch /recordings/upload.failed; fi; noted=$?;
+      touch /tmp/ended; sleep "$UPLOAD_EVERY_S"; [ $noted -eq 0 ] || exit 1; done
   env:
     - {name: UPLOAD_VERB, value: {{ ternary "move" "copy" $upload.move }}}
     - {name: UPLOAD_TO, value: {{ printf "%s/%s" (trimSuffix "/" $upload.to) .robot.name | quote }}}

@@ -43,10 +43,8 @@ def test_every_agent_lists_the_same_components_and_what_is_off_is_well(listed):
     report = listed().statuses()
     assert [one.name for one in report] == [row.name for row in COMPONENTS]
     off = {one.name: one.level for one in report if one.message.startswith("off")}
-    assert off == dict.fromkeys(
-        ["audio", "stt", "llm", "tts", "sim", "executor", "presence", "console", "recordings"],
-        Level.OK,
-    )
+    parts = "audio stt llm tts sim executor presence console recordings recorder"
+    assert off == dict.fromkeys(parts.split(), Level.OK)
     assert all(row.name in DIAGNOSTICS.about for row in COMPONENTS)
 
 

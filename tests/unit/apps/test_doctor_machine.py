@@ -1,5 +1,7 @@
 """The doctor's judgement of a machine, from plain values."""
 
+from dataclasses import dataclass
+
 import pytest
 from doctor_rig import ERROR, OK, SKIPPED, WARNING, levels, situation
 from gguf_files import small_gguf
@@ -9,7 +11,9 @@ from edgevox.agent.llm.factory import load_model
 from edgevox.agent.llm.language_model import ModelFailed
 from edgevox.apps.doctor import machine, sound
 from edgevox.apps.doctor import machine as graphics
+from edgevox.core.status import Components, Finding, Level, Off, Status
 from edgevox.models import Store
+from edgevox.ops.health import Health, HealthServer
 from edgevox.ops.machine import MIB
 
 PC = {
@@ -259,3 +263,41 @@ def test_a_gpu_is_not_needed_but_a_broken_driver_is_said(facts, level):
 def test_without_opengl_only_pictures_are_missing(failed, installed, level):
     facts = {"backend": "egl", "failed": failed, "installed": installed}
     assert graphics.judge_egl(facts, situation()).level is level
+
+
+@dataclass(frozen=True)
+class Part:
+    """A component that says this of itself."""
+
+    said: Status
+    checks: tuple[()] = ()
+
+    @property
+    def name(self):
+        return self.said.name
+
+    def status(self):
+        return self.said
+
+
+def test_it_says_what_the_robot_that_runs_says_of_itself():
+    sealed = Part(Status("disk", Level.WARN, "/places: not writable"))
+    behind = Part(Status.judged("recorder", [Finding(Level.ERROR, "the disk is full")]))
+    health = Health(Components(Off("console", "not asked for"), sealed, behind))
+    server = HealthServer(health, "127.0.0.1", 0)
+    server.start()
+    try:
+        here = situation(health_port=server.port)
+        said = machine.judge_running(machine.probe_running(here), here)
+    finally:
+        server.close()
+    assert [(one.level, one.found) for one in said] == [
+        (WARNING, "disk: /places: not writable"),
+        (ERROR, "recorder: the disk is full"),
+    ]
+    gone = machine.judge_running(machine.probe_running(here), here)
+    assert gone.level is SKIPPED
+    off = machine.probe_running(situation(health_port=0))
+    assert machine.judge_running(off, here).level is SKIPPED
+    well = {"port": 1, "components": [("process", Level.WARN, "starts"), ("disk", Level.OK, "")]}
+    assert levels(machine.judge_running(well, here)) == [OK]

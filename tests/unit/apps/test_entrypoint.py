@@ -153,9 +153,10 @@ def test_a_command_that_cannot_run_is_told_as_shells_do(command, code, capsys):
 def test_a_command_gets_its_arguments_untouched_and_the_environment_made_good():
     asked = "import os, sys; print(sys.argv[1:], os.environ['EDGEVOX_AGENT_NAMESPACE'])"
     start = [sys.executable, "-m", "edgevox.apps.container.start"]
+    others = {name: value for name, value in os.environ.items() if not name.startswith("EDGEVOX_")}
     ran = subprocess.run(
         [*start, sys.executable, "-c", asked, "two words", "$HOME", "; true"],
-        env={**os.environ, "EDGEVOX_NAMESPACE": "/robot7"},
+        env={**others, "EDGEVOX_NAMESPACE": "/robot7"},
         capture_output=True,
         text=True,
     )

@@ -154,6 +154,18 @@ def test_a_recorder_of_its_own_is_asked_too():
     assert seen.told.recording is True
 
 
+def test_a_recorder_that_the_robot_hears_is_told_by_the_robot():
+    behind = [Finding(Level.WARN, "nothing was uploaded")]
+    health = robot_of(
+        Status.judged("recordings", recording=False),
+        Status.judged("recorder", behind, recording=True),
+    )
+    with serving(HealthServer(health, "127.0.0.1", 0)) as port:
+        seen = ask_robot(FleetRobot(health=f"http://127.0.0.1:{port}"))
+    assert (seen.state, seen.problems) == ("warned", {"recorder": "nothing was uploaded"})
+    assert seen.told.recording is True
+
+
 @pytest.mark.parametrize(
     "body",
     [

@@ -3,10 +3,13 @@
 import io
 import json
 import stat
+import subprocess
+import sys
 import tarfile
 from pathlib import Path
 
 import pytest
+from guards import HUNG_S
 
 from edgevox.apps.edgevox import main
 from edgevox.apps.state import ABOUT, MOST_BYTES, read
@@ -55,6 +58,18 @@ def test_a_new_computer_has_what_the_old_one_kept_but_for_recordings(robot, tmp_
     assert files_of(new) == KEPT
     for file in new.rglob("*.*"):
         assert stat.S_IMODE(file.stat().st_mode) == 0o600
+
+
+def test_a_file_that_a_shell_makes_of_the_output_is_its_owners_alone(robot, tmp_path) -> None:
+    taught(robot("old"))
+    archive = tmp_path / "robot.tar"
+    with archive.open("wb") as output:
+        archive.chmod(0o644)
+        command = [sys.executable, "-m", "edgevox.apps.edgevox", "state", "export", "-"]
+        subprocess.run(command, stdout=output, check=True, timeout=HUNG_S)
+    assert stat.S_IMODE(archive.stat().st_mode) == 0o600
+    with archive.open("rb") as written:
+        assert len(read(written)) == len(KEPT)
 
 
 def test_both_name_the_folders_since_a_wrong_one_is_lost_with_its_container(

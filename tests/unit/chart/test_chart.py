@@ -325,6 +325,10 @@ def test_a_robot_asks_for_the_disk_of_its_node_that_it_fills() -> None:
     of_its_own = {"mb": 500, "volume": {"persistentVolumeClaim": {"claimName": "kept"}}}
     assert asked(console={"enabled": True, "recordings": of_its_own}) == "50M"
     assert asked(resources={"requests": {"ephemeral-storage": "1Gi"}}) == "1Gi"
+    upload = {"to": "store:robots", "secretName": "rclone"}
+    for one in solo(recorder={"enabled": True, "upload": upload})["containers"]:
+        assert one["resources"]["requests"]["ephemeral-storage"], one["name"]
+        assert "livenessProbe" in one, one["name"]
 
 
 def test_the_chart_is_of_the_version_of_the_program() -> None:

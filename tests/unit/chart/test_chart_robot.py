@@ -10,10 +10,11 @@ import helm_python as helm
 import pytest
 import yaml
 from chart_rig import ONE, chart, environment, objects, pods, solo, validate
+from guards import HUNG_S
 
 from edgevox.apps.container import prepared
 from edgevox.apps.recorder import parse_arguments
-from edgevox.ros2.recordings import UPLOAD_FAILED, WhenFull
+from edgevox.ros2.recordings import UPLOAD_DONE, UPLOAD_FAILED, WhenFull
 from edgevox.ros2.robot_file.load import load_robot_file
 
 EXAMPLES = sorted(
@@ -271,21 +272,41 @@ def test_an_upload_that_failed_is_told_until_one_succeeds(tmp_path) -> None:
     told = []
     recordings = tmp_path / "recordings"
     recordings.mkdir()
-    (loop,) = made["args"]
-    loop = loop.replace("/tmp/ended", str(tmp_path / "ended"))  # noqa: S108
-    loop = loop.replace(" /recordings/", f" {recordings}/")
+    loop = loop_in(made, tmp_path, recordings)
     with subprocess.Popen([*made["command"], loop], env=given) as process:
         for _ in range(2):
             assert (tmp_path / "waits").read_text() == "60\n"
-            told.append((recordings / UPLOAD_FAILED).exists())
+            told.append([(recordings / one).exists() for one in (UPLOAD_FAILED, UPLOAD_DONE)])
             assert (tmp_path / "ended").exists()
             if len(told) == 2:
                 process.kill()
             (tmp_path / "go").write_text("\n")
-    assert told == [True, False]
+    assert told == [[True, False], [False, True]]
+    assert (recordings / UPLOAD_DONE).read_text() == "60\n"
     first = (tmp_path / "log").read_text().splitlines()[0]
     assert " copy /recordings store:robots/solo --include *.{mcap,yaml} --immutable " in first
     assert "min-age" not in first
+
+
+def loop_in(made: dict[str, Any], tmp: Path, recordings: Path) -> str:
+    """The uploader's loop, with these folders in the place of the container's."""
+    (loop,) = made["args"]
+    return loop.replace("/tmp/", f"{tmp}/").replace(" /recordings/", f" {recordings}/")  # noqa: S108
+
+
+@pytest.mark.parametrize("rclone", ["true", "false"])
+def test_an_upload_that_cannot_leave_its_notes_ends_with_their_reason(tmp_path, rclone) -> None:
+    (made,) = upload_of(ONE | UPLOAD)
+    (tmp_path / "rclone").symlink_to(f"/bin/{rclone}")
+    (tmp_path / "sleep").symlink_to("/bin/true")
+    given = {one["name"]: one["value"] for one in made["env"]}
+    given |= {"PATH": f"{tmp_path}:{os.environ['PATH']}"}
+    loop = loop_in(made, tmp_path, Path("/proc/self/recordings"))  # where nobody makes a file
+    ended = subprocess.run(
+        [*made["command"], loop], env=given, capture_output=True, text=True, timeout=HUNG_S
+    )
+    assert ended.returncode == 1
+    assert "/proc/self/recordings/upload." in ended.stderr
 
 
 def test_an_upload_of_which_no_run_ends_is_started_again(tmp_path) -> None:

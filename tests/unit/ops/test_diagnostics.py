@@ -7,6 +7,7 @@ from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
+from small_disk import small_disk
 from support.clock import HeldClock
 
 from edgevox.agent.llm.language_model import LlmComponent
@@ -332,6 +333,17 @@ def test_a_folder_that_is_needed_and_cannot_be_written_is_a_warning(tmp_path):
     assert unwritable([Path("/proc/self/places")]) == [Path("/proc/self/places")]
     said = DiskComponent(list, lambda: [Path("/proc/self/places")]).status()
     assert (said.level, said.message) == (Level.WARN, "/proc/self/places: not writable")
+
+
+def test_a_disk_that_becomes_read_only_is_told_until_it_is_writable_again(tmp_path):
+    with small_disk(tmp_path / "disk") as disk:
+        folder = disk.path / "places"
+        component = DiskComponent(lambda: [folder], lambda: [folder])
+        for sealed, level in ((False, Level.OK), (True, Level.WARN), (False, Level.OK)):
+            disk.seal(sealed=sealed)
+            said = component.status()
+            assert said.level is level
+            assert (f"{folder}: not writable" in said.message) is sealed
 
 
 def test_each_file_system_that_is_written_to_counts_once(tmp_path):

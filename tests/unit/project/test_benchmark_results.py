@@ -1,8 +1,10 @@
 """The file of results: what is kept of each benchmark, and of which run of it."""
 
+import importlib
 import json
 import platform
 from datetime import timedelta
+from pathlib import Path
 
 import pytest
 from benchmark_rig import (
@@ -22,6 +24,8 @@ from benchmark_rig import (
     with_run,
     write,
 )
+
+TOP = Path(__file__).resolve().parents[3]
 
 
 def test_a_partial_run_renews_its_benchmark_and_leaves_the_others_as_they_are():
@@ -226,3 +230,11 @@ def test_of_a_benchmark_the_front_table_keeps_what_the_readme_shows():
     kept = run.of_the_front("memory", Measured(figures=(more, one, plain)))
 
     assert [figure.id for figure in kept.figures] == ["resident", "plain"]
+
+
+@pytest.mark.parametrize(
+    "module", sorted(str(one.relative_to(TOP)) for one in TOP.glob("benchmarks/**/*.py"))
+)
+def test_what_a_benchmark_imports_is_there(module):
+    name = module.removesuffix(".py").removesuffix("/__init__").replace("/", ".")
+    assert importlib.import_module(name)

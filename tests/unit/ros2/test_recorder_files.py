@@ -207,7 +207,7 @@ def test_a_disk_that_is_full_ends_the_file_says_so_and_goes_on_when_there_is_roo
     wait_until(lambda: writing.written == 1)
     free["bytes"] = 900_000
     wait_until(lambda: writing.fault)
-    assert writing.fault == "the disk is full: 0 MB are left, 1 MB are for others"
+    assert writing.fault == "the disk is full: 0 MB are left, 1 MB are needed"
     inbox.put(said(2))
     wait_until(lambda: inbox.dropped)
     free["bytes"] = 1 << 40

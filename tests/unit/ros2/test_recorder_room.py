@@ -1,5 +1,9 @@
-"""Recordings have a bound together: at it they end, wait, or give up their oldest files."""
+"""Recordings have a bound together: at it they end, wait, or give up their oldest files.
 
+And whether an upload takes them away.
+"""
+
+import os
 from dataclasses import dataclass
 
 import pytest
@@ -14,7 +18,15 @@ from edgevox.core.errors import InvalidValue
 from edgevox.ros2.recorder.disk import COUNT_S, Disk, Room, WriteQueue, Writing
 from edgevox.ros2.recorder.mcap import Bag, RecordedMessage
 from edgevox.ros2.recorder.recorded_topics import choose_topics
-from edgevox.ros2.recordings import WhenFull, held, used_bytes
+from edgevox.ros2.recordings import (
+    UPLOAD_DONE,
+    UPLOAD_FAILED,
+    UPLOAD_TAKES_S,
+    WhenFull,
+    held,
+    upload_fault,
+    used_bytes,
+)
 
 (TEXT,) = choose_topics("/robot1", ["response"])
 OLDER, OLD, NOW = "edgevox-20261128-100000", "edgevox-20261128-110000", "edgevox-20261128-120000"
@@ -143,7 +155,42 @@ def test_a_ring_gives_the_disk_back_one_file_every_few_seconds(rig_of, tmp_path)
     assert rig.room.find() == ""
     assert left(tmp_path) == []
     rig.clock.advance(COUNT_S)
-    assert rig.room.find() == "the disk is full: 0 MB are left, 0 MB are for others"
+    assert rig.room.find() == "the disk is full: 0 MB are left, 0 MB are needed"
+
+
+@pytest.mark.parametrize("when_full", list(WhenFull))
+def test_a_recording_that_others_leave_no_room_stops_once_and_keeps_what_it_has(
+    tmp_path, when_full
+):
+    """And goes on once, although they go on writing around what is to be spared."""
+    clock, free, inbox = HeldClock(100.0), SPARE_BYTES, WriteQueue()
+    disk = Disk(tmp_path / NOW, 1 << 30, SPARE_BYTES, None, when_full)
+    writing = Writing(inbox, disk, clock=clock, free_bytes=lambda _: free, flush_s=0.0)
+    stopped = []
+
+    def look(times=20):
+        for number in range(times):
+            inbox.put(said(number))
+            writing.look()
+            stopped.append(bool(writing.fault))
+            clock.advance(1.0)
+
+    look()
+    free = SPARE_BYTES - 1
+    look()
+    for wobble in range(20):
+        free = SPARE_BYTES - 100 + 10 * wobble
+        look(1)
+    assert stopped[:20] == [False] * 20
+    assert stopped[20:] == [True] * 40
+    assert left(tmp_path) == ["120000_0.mcap"]
+    free = 2 * SPARE_BYTES
+    look()
+    free = SPARE_BYTES
+    look()
+    assert not any(stopped[65:])
+    writing.bag.close()
+    assert len(left(tmp_path)) == 2
 
 
 @pytest.mark.parametrize("when_full", [WhenFull.WAIT, WhenFull.END])
@@ -198,3 +245,48 @@ def test_a_ring_needs_room_for_two_files_because_the_open_one_never_goes():
         parse_arguments(["--most", "100", "--when-full", "ring"])
     assert parse_arguments(["--most", "512", "--when-full", "ring"]).when_full is WhenFull.RING
     assert parse_arguments(["--most", "100"]).when_full is WhenFull.END
+
+
+EVERY_S = 60
+BEGAN_S = 1_795_000_000.0
+LONGEST_S = UPLOAD_TAKES_S + EVERY_S
+
+
+def aged(file, changed_s):
+    os.utime(file, (changed_s, changed_s))
+
+
+@pytest.fixture
+def uploaded(tmp_path):
+    """A recording of two files, and the note of a run that took the first of them."""
+    recorded(tmp_path / OLD)
+    (tmp_path / UPLOAD_DONE).write_text(f"{EVERY_S}\n")
+    aged(tmp_path / UPLOAD_DONE, BEGAN_S)
+    aged(tmp_path / OLD / f"{OLD}_0.mcap", BEGAN_S - 10)
+    aged(tmp_path / OLD / f"{OLD}_1.mcap", BEGAN_S + 10)
+    return tmp_path
+
+
+def test_an_upload_is_behind_where_a_file_waits_for_too_long(uploaded):
+    assert upload_fault(uploaded, BEGAN_S + 10 + LONGEST_S) == ""
+    told = upload_fault(uploaded, BEGAN_S + 11 + LONGEST_S)
+    assert told.startswith("nothing was uploaded since 2026-11-18 11:06 UTC")
+
+
+def test_an_upload_that_has_taken_all_is_not_behind_however_long_nothing_is_recorded(uploaded):
+    (uploaded / OLD / f"{OLD}_1.mcap").unlink()
+    assert upload_fault(uploaded, BEGAN_S + 10 * LONGEST_S) == ""
+
+
+def test_an_upload_that_fails_is_told_at_once(uploaded):
+    (uploaded / UPLOAD_FAILED).touch()
+    assert upload_fault(uploaded, BEGAN_S) == "the upload fails: see the uploader's log"
+
+
+@pytest.mark.parametrize("note", [None, b"", b"often", b"\xff"])
+def test_nothing_is_said_of_an_upload_that_left_no_note_or_is_writing_it(uploaded, note):
+    (uploaded / UPLOAD_DONE).unlink()
+    if note is not None:
+        (uploaded / UPLOAD_DONE).write_bytes(note)
+        aged(uploaded / UPLOAD_DONE, BEGAN_S)
+    assert upload_fault(uploaded, BEGAN_S + 10 * LONGEST_S) == ""

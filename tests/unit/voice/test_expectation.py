@@ -6,12 +6,14 @@ import math
 import pytest
 
 from edgevox.agent.nlu.meaning import HEARD_FROM
+from edgevox.core.commands import Hypothesis
 from edgevox.voice.stt.speech_to_text import (
     AROUND_S,
     BYTES_A_SECOND,
     SHOWN_COMMANDS,
     Segment,
     Transcript,
+    both,
     heard_again,
     is_doubtful,
     transcript_of,
@@ -81,3 +83,30 @@ def test_words_that_are_too_few_for_the_sound_stay_less_sure_when_heard_twice():
     )
     assert math.isclose(whole.confidence, 0.9)
     assert math.isclose(half.confidence, 0.45)
+
+
+def test_what_two_hearings_agree_on_is_what_was_said():
+    one = Transcript("Turn the lap.", 0.7, (Hypothesis("Turn left.", 0.4, 0.6),))
+    other = Transcript("turn left", 0.8, (Hypothesis("Turn up.", 0.1, 0.5),))
+
+    said = both(one, other)
+
+    assert (said.text, said.confidence) == ("Turn left.", 0.8)
+    assert [(one.text, one.share) for one in said.others] == [
+        ("Turn the lap.", pytest.approx(0.3)),
+        ("Turn up.", pytest.approx(0.05)),
+    ]
+
+
+@pytest.mark.parametrize(
+    ("one", "other"), [("", "Go."), ("Go.", ""), ("", "")], ids=["first", "second", "neither"]
+)
+def test_a_second_hearing_makes_no_words_of_nothing_and_takes_none_away(one, other):
+    assert both(Transcript(one, 0.5), Transcript(other, 0.5)).text == one
+
+
+def test_of_two_hearings_that_differ_both_remain():
+    said = both(Transcript("Turn left.", 0.8), Transcript("Turn right.", 0.7))
+
+    assert said.text == "Turn left."
+    assert [(one.text, one.share) for one in said.others] == [("Turn right.", 0.5)]

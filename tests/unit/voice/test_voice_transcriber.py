@@ -1,13 +1,16 @@
 """The transcriber alone: what it tells of an utterance, whatever breaks in it."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from voice_script import Stt
 from waiting import Heard as Told
 
 from edgevox.core.clock import SystemClock
-from edgevox.core.commands import Heard, Transcribing
-from edgevox.voice.transcriber import Transcriber, TranscriptionJob
+from edgevox.core.commands import Heard, Hypothesis, Transcribing
+from edgevox.voice.stt.speech_to_text import Transcript
+from edgevox.voice.transcriber import MAY_STOP, Transcriber, TranscriptionJob
 
 SOUND = np.zeros(1600, np.int16)
 
@@ -96,3 +99,22 @@ def test_after_a_bug_a_stop_without_the_wake_word_is_heard(transcribe):
 
     assert said == [Heard("stop", 2.0, said[-1].stt_s, began_s=0.0)]
     assert failed == 1
+
+
+@pytest.mark.parametrize(("share", "counts"), [(MAY_STOP, True), (MAY_STOP - 0.01, False)])
+def test_a_stop_that_may_have_been_said_counts(share, counts):
+    told = Told()
+    said = Transcript("the shop", 0.6, (Hypothesis("stop", share, 0.5),))
+    stt = SimpleNamespace(transcribe=lambda *_: said)
+    one = Transcriber(
+        stt, told.add, language=lambda: "en", is_stop=lambda text: text == "stop",
+        clock=SystemClock(),
+    )  # fmt: skip
+    one.start()
+    assert one.take(TranscriptionJob(SOUND, 0.0, 1.0))
+    assert one.wait_idle(60)
+    one.close()
+
+    assert [heard.text for heard in told.messages if isinstance(heard, Heard)] == [
+        "stop" if counts else "the shop"
+    ]
