@@ -109,6 +109,7 @@ def _stopped_s(talker: Talker, page: Any, number: int) -> float:
     talker.robot.wait_for(stands_for_good, since=since)
     stood = next(i for i in range(since, 10**9) if stands_for_good(talker.robot.messages[i]))
     pressed_s = monotonic_s(page.evaluate("noted.pressed.at(-1)"))
+    page.locator("html:not([data-moved])").wait_for()  # what moves it takes no press for a moment
     page.locator("button.resume").click()
     page.locator("html:not(.is-stopped)").wait_for()
     return talker.robot.times[stood] - pressed_s

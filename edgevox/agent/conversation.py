@@ -273,6 +273,11 @@ class Conversation:
         return self._executor.busy
 
     @property
+    def moving(self) -> bool:
+        """Whether a goal moves the robot, or waits to."""
+        return self._executor.moving is not None
+
+    @property
     def refusals(self) -> Mapping[str, int]:
         """Number of refused commands, by `Refusal`."""
         return self._inbox.refusals

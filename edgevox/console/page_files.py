@@ -77,9 +77,13 @@ class PageFiles:
         return _file(name, text.encode("utf-8"))
 
     def _language(self, accepted: str) -> str:
-        """The first language that the browser wants and there are words in; empty for none."""
-        wanted = (one.strip().partition(";")[0].partition("-")[0] for one in accepted.split(","))
-        return next((one for one in wanted if f"{_WORDS}{one}.json" in self._files), "")
+        """The first language that the browser wants and there are words in; else English.
+
+        Empty where there are no words at all.
+        """
+        wanted = [one.strip().partition(";")[0].partition("-")[0] for one in accepted.split(",")]
+        known = (one for one in (*wanted, "en") if f"{_WORDS}{one}.json" in self._files)
+        return next(known, "")
 
     async def _static(self, request: web.Request) -> web.Response:
         name = request.match_info["name"]

@@ -45,6 +45,7 @@ class _Uses:
 
 
 _uses = _Uses()
+_importing = threading.Lock()
 
 
 @contextmanager
@@ -139,9 +140,13 @@ def _device(entry: Mapping[str, Any], kind: Kind) -> Device:
 
 
 def _sounddevice() -> Any:
-    """Imported late: without PortAudio its import fails, and a robot without sound needs none."""
+    """Imported late: without PortAudio its import fails, and a robot without sound needs none.
+
+    One thread at a time: a thread that waits for an import that fails gets an unfinished module.
+    """
     try:
-        import sounddevice
+        with _importing:
+            import sounddevice
     except ImportError:
         raise DeviceMissing(f"sound needs an extra: {install_extra('voice')}") from None
     except OSError:

@@ -38,7 +38,13 @@ def page_words(key: str, language: str = "en", **values: object) -> str:
     return json.loads(file.read_text(encoding="utf-8"))[key].format(**values)
 
 
+def settled(page: Page) -> None:
+    """Wait until presses count again, after something has moved the page's controls."""
+    page.locator("html:not([data-moved])").wait_for()
+
+
 def take_the_turn(page: Page) -> None:
+    settled(page)
     page.locator(".lease button.primary").click()
     page.locator(".lease button.on").wait_for()
 

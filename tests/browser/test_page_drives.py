@@ -3,9 +3,10 @@
 import time
 from collections.abc import Callable
 
-from browser_rig import Opens
+import pytest
+from browser_rig import Opens, page_words, settled, stop_clock, take_the_turn
 from guards import HUNG_S
-from playwright.sync_api import Page
+from playwright.sync_api import Page, expect
 from stand_in import Robot
 
 
@@ -58,6 +59,42 @@ def test_ahead_beats_and_letting_go_is_exactly_one_zero(opens: Opens, robot: Rob
     assert max(abs(d["linear"]) for d in sent) <= 0.5
 
 
+def test_the_top_speed_is_a_part_of_the_robots_and_this_browser_remembers_it(
+    opens: Opens, robot: Robot
+) -> None:
+    page = opens()
+    speed = page.get_by_role("slider", name=page_words("top_speed"))
+    expect(speed).to_have_attribute("aria-valuetext", "0.50 m/s")
+    speed.fill("0.25")
+    expect(speed).to_have_attribute("aria-valuetext", "0.13 m/s")
+    page.reload()
+    take_the_turn(page)
+    expect(speed).to_have_value("0.25")
+    page.locator(".stick").focus()
+    page.keyboard.down("ArrowUp")
+    drives(page, robot)
+    page.keyboard.down("ArrowLeft")
+    until(page, lambda: robot.commands("drive")[-1]["angular"] > 0)
+    page.keyboard.up("ArrowUp")
+    until(page, lambda: not robot.commands("drive")[-1]["linear"])
+    assert {one["linear"] for one in robot.commands("drive")} == {0.125, 0}
+    assert {one["angular"] for one in robot.commands("drive")} == {0.25, 0}
+
+
+@pytest.mark.parametrize("kept", ["4", "-1", "0", "fast"])
+def test_the_stick_never_asks_for_more_than_the_robots_speed(
+    opens: Opens, robot: Robot, kept: str
+) -> None:
+    page = opens()
+    page.evaluate("kept => localStorage.setItem('edgevox-stick', kept)", kept)
+    page.reload()
+    take_the_turn(page)
+    page.locator(".stick").focus()
+    page.keyboard.down("ArrowUp")
+    drives(page, robot)
+    assert {one["linear"] for one in robot.commands("drive")} == {0.5}
+
+
 def test_back_in_its_middle_the_stick_is_let_go_once(opens: Opens, robot: Robot) -> None:
     page = opens()
     hold(page)
@@ -88,6 +125,46 @@ def test_the_stick_stands_still_when_a_goal_or_what_is_known_of_the_robot_comes_
     robot.live = {}
     page.locator(".goal").wait_for(state="hidden")
     assert page.locator(".stick").bounding_box() == before
+
+
+def test_a_held_stick_asks_for_the_same_while_a_question_moves_it(
+    opens: Opens, robot: Robot
+) -> None:
+    page = opens()
+    hold(page)
+    drives(page, robot)
+    before = page.locator(".stick").bounding_box()
+    robot.tell(type="talk", kind="asked", turn=1, text="Shall I go?", open=True)
+    page.locator(".question").wait_for()
+    assert page.locator(".stick").bounding_box() != before
+    page.mouse.move(before["x"] + before["width"] / 2, before["y"] + 0.1 * before["height"] + 1)
+    count = len(robot.commands("drive"))
+    until(page, lambda: len(robot.commands("drive")) > count + 2)
+    page.mouse.up()
+    assert all(one["linear"] > 0.3 for one in robot.commands("drive")[: count + 2])
+
+
+def test_a_press_that_was_aimed_at_what_has_just_moved_away_is_none_but_stop_always_is_one(
+    opens: Opens, robot: Robot
+) -> None:
+    page = opens()
+    page.clock.install()
+    stop_clock(page)
+    robot.tell(type="talk", kind="asked", turn=1, text="Shall I go?", open=True)
+    yes = page.get_by_role("button", name=page_words("yes"))
+    yes.click()
+    hold(page)
+    page.mouse.up()
+    page.locator("button.stop").click()
+    until(page, lambda: bool(robot.commands("stop")))
+    page.locator(".resume").click()
+    page.clock.run_for(500)
+    settled(page)
+    yes.click()
+    until(page, lambda: bool(robot.commands("answer")))
+    assert len(robot.commands("answer")) == 1
+    assert not robot.commands("resume")
+    assert not robot.commands("drive")
 
 
 def test_lost_focus_halts(opens: Opens, robot: Robot) -> None:

@@ -1,15 +1,16 @@
 """The page of many robots, in a real browser: who is let in, and what is shown."""
 
+import json
 import re
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 import pytest
-from browser_rig import DEVICES, problems
+from browser_rig import DESK, DEVICES, PHONE, problems
 from playwright.sync_api import Browser, expect
 
 from edgevox.apps.fleet.robots_file import FleetRobot
-from edgevox.apps.fleet.serve import fleet_server
+from edgevox.apps.fleet.serve import PAGE, fleet_server
 from edgevox.apps.fleet.watch import FleetWatch, LastSeen, RobotStatus
 from edgevox.console.page_server import PageServer
 from edgevox.console.sessions import Role
@@ -32,6 +33,13 @@ SEEN: Mapping[str, LastSeen] = {
 }
 
 
+LANGUAGES = sorted(path.stem for path in (PAGE / "languages").glob("*.json"))
+
+
+def words_of(language: str) -> dict[str, str]:
+    return json.loads((PAGE / f"languages/{language}.json").read_text(encoding="utf-8"))
+
+
 @pytest.fixture
 def served(tmp_path: Path) -> Iterator[PageServer]:
     robots = {
@@ -46,6 +54,39 @@ def served(tmp_path: Path) -> Iterator[PageServer]:
     server.close()
 
 
+@pytest.mark.parametrize("language", LANGUAGES)
+def test_each_language_is_whole(language: str) -> None:
+    english, its = (words_of(one) for one in ("en", language))
+    places = re.compile(r"\{\w+\}")
+    assert its.keys() == english.keys()
+    for key, text in its.items():
+        assert text.strip()
+        assert sorted(places.findall(text)) == sorted(places.findall(english[key])), key
+
+
+@pytest.mark.parametrize(
+    ("wanted", "language", "direction"),
+    [("de-AT", "de", "ltr"), ("ar-EG", "ar", "rtl"), ("cs-CZ", "en", "ltr")],
+)
+@pytest.mark.parametrize("device", [DESK, PHONE])
+def test_it_speaks_the_browsers_language_and_english_where_it_has_no_words(
+    browser: Browser, served: PageServer, wanted: str, language: str, direction: str, device: dict
+) -> None:
+    context = browser.new_context(locale=wanted, **device)
+    page, words = context.new_page(), words_of(language)
+    page.goto(served.offer_code(Role.VIEWER)[1])
+    expect(page.locator("tbody tr")).to_have_count(len(SEEN))
+    assert page.locator("html").get_attribute("lang") == language
+    assert page.locator("html").get_attribute("dir") == direction
+    assert page.title() == words["robots"]
+    expect(page.locator("#summary")).to_contain_text(words["stopped_count"].format(count=1))
+    expect(page.locator("td.state").first).to_have_text(words["state_gone"])
+    expect(page.locator("tr.unwell [lang=en]").first).to_contain_text("stt: its thread has ended")
+    assert problems(page) == []
+    assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
+    context.close()
+
+
 @pytest.mark.parametrize(("device", "colours"), DEVICES)
 def test_axe_finds_nothing(
     browser: Browser, served: PageServer, device: dict[str, object], colours: str, tmp_path: Path
@@ -57,7 +98,9 @@ def test_axe_finds_nothing(
     _, address = served.offer_code(Role.VIEWER)
     page.goto(address)
     expect(page.locator("tbody tr")).to_have_count(len(SEEN))
-    expect(page.locator("#summary")).to_have_text("2 of 5 robots ready, 1 with problems, 1 stopped")
+    expect(page.locator("#summary")).to_have_text(
+        "2 of 5 robots ready · 1 with problems · 1 stopped"
+    )
     assert problems(page) == []
     assert page.evaluate("document.documentElement.scrollWidth <= innerWidth"), (
         "it scrolls sideways"

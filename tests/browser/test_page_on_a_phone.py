@@ -1,9 +1,10 @@
 """A phone, upright and on its side: name, control, Stop, its banner and a question stay there."""
 
+import re
 from itertools import combinations
 
 import pytest
-from browser_rig import PHONE, Opens, page_words
+from browser_rig import PHONE, Opens, page_words, settled
 from playwright.sync_api import Page, expect
 from stand_in import Robot
 from test_page_drives import until
@@ -27,6 +28,7 @@ def busy(page: Page, robot: Robot, *, name: str = "Chrome Linux of the second fl
     robot.tell(type="talk", kind="asked", turn=1, text="Shall I go to the kitchen?", open=True)
     robot.tell(type="stop", engaged=True, by=name, since=1.0)
     expect(page.locator(".stopped")).to_be_visible()
+    settled(page)
 
 
 def reachable(page: Page, part: str) -> None:
@@ -95,6 +97,31 @@ def test_text_of_twice_its_size_keeps_everything_in_reach(
         reachable(page, f".tabs [data-panel={part}]")
         expect(page.locator("button.stop")).to_be_in_viewport(ratio=1)
     unshifted(page)
+
+
+@pytest.mark.parametrize("device", [UPRIGHT, ON_ITS_SIDE])
+def test_a_tapped_point_stays_in_sight_above_what_can_be_done_with_it(
+    opens: Opens, device: dict
+) -> None:
+    page = opens(**device)
+    page.locator(".tabs [data-panel=see]").click()
+    page.locator(".facts .fact").first.wait_for()
+    map_, sheet = page.locator(".map"), page.locator(".tap-sheet")
+
+    def tapped(y_px: float) -> list[float]:
+        map_.click(position={"x": size["width"] / 2, "y": y_px})
+        told = re.findall(r"[\d.]+", sheet.locator("strong").inner_text())
+        return [float(one) for one in told]
+
+    size = map_.bounding_box()
+    low = size["height"] - 40
+    point = pytest.approx(tapped(low), abs=0.05)
+    above = sheet.bounding_box()["y"] - size["y"] - 12
+    assert 31 < above < low, "the pin has its place, and the sheet covers where it was"
+    assert tapped(above) == point
+    page.keyboard.press("Escape")
+    expect(sheet).to_be_hidden()
+    assert tapped(low) == point, "the map stands where it did"
 
 
 @pytest.mark.parametrize("device", [UPRIGHT, ON_ITS_SIDE])

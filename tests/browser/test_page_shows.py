@@ -6,7 +6,7 @@ import json
 import re
 
 import pytest
-from browser_rig import DEVICES, PHONE, Opens, page_words, problems
+from browser_rig import DEVICES, PHONE, Opens, page_words, problems, settled
 from PIL import Image
 from playwright.sync_api import Browser, expect
 from stand_in import HELLO, Robot
@@ -130,7 +130,10 @@ def test_words_of_others_are_never_markup(opens: Opens, robot: Robot) -> None:
 def test_a_question_has_a_yes_and_a_no(opens: Opens, robot: Robot) -> None:
     page = opens()
     robot.tell(type="talk", kind="asked", turn=1, text="Shall I go?", expires_s=10)
-    page.get_by_role("button", name="Yes").click()
+    yes = page.get_by_role("button", name="Yes")
+    yes.wait_for()
+    settled(page)
+    yes.click()
     robot.tell(type="talk", kind="asked", turn=1, text="", open=False)
     expect(page.locator(".question")).to_be_hidden()
     assert [one["yes"] for one in robot.commands("answer")] == [True]

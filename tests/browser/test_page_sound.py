@@ -104,6 +104,70 @@ def test_the_robot_hears_what_the_microphone_does_while_the_button_is_held(
     assert loudest == pytest.approx(HERTZ, abs=5.0)
 
 
+LEVEL = "e => Number(getComputedStyle(e).getPropertyValue('--level'))"
+
+
+def test_the_button_that_is_pressed_shows_how_loud_the_microphone_is(
+    page: Page, sound: NotedSound
+) -> None:
+    button = page.locator(".sound .hold")
+    expect(button.locator(".level")).to_be_hidden()
+    hold(page)
+    until(page, lambda: 0.5 < button.evaluate(LEVEL) < 1)
+    expect(button.locator(".level")).to_be_visible()
+    page.mouse.up()
+    until(page, lambda: button.evaluate(LEVEL) == 0)
+    opened = page.get_by_role("button", name=page_words("open_microphone"))
+    opened.click()
+    until(page, lambda: 0.5 < opened.evaluate(LEVEL) < 1)
+    opened.click()
+    until(page, lambda: opened.evaluate(LEVEL) == 0)
+
+
+def test_the_first_hold_asks_for_the_microphone_and_says_when_to_hold_again(
+    page: Page, sound: NotedSound
+) -> None:
+    page.evaluate(
+        """() => {
+          const media = navigator.mediaDevices, given = media.getUserMedia.bind(media);
+          let state = "prompt";
+          navigator.permissions.query = async () => ({ state });
+          media.getUserMedia = (what) => new Promise((done) => {
+            window.allow = () => { state = "granted"; done(given(what)); };
+          }); }"""
+    )
+    button = page.locator(".sound .hold")
+    hear = page.get_by_role("button", name=page_words("hear_here"))
+    hold(page)
+    expect(button).to_have_text(page_words("allow_microphone"))
+    until(page, lambda: page.evaluate("Boolean(window.allow)"))
+    page.mouse.up()
+    page.evaluate("window.allow()")
+    expect(page.locator(".toast.good")).to_have_text(page_words("microphone_ready"))
+    expect(button).to_have_text(page_words("hold_to_talk"))
+    assert "held" not in sound.asked
+    expect(hear).to_have_attribute("aria-pressed", "true")
+    sound.wait(lambda: sound.hears)
+    hold(page)
+    sound.wait(lambda: sound.frames)
+    assert sound.asked == ["held"]
+    page.mouse.up()
+
+
+def test_a_hold_leaves_the_robots_voice_as_somebody_chose_it(page: Page, sound: NotedSound) -> None:
+    hear = page.get_by_role("button", name=page_words("hear_here"))
+    hear.click()
+    sound.wait(lambda: sound.hears)
+    hear.click()
+    expect(hear).to_have_attribute("aria-pressed", "false")
+    hold(page)
+    sound.wait(lambda: sound.frames)
+    page.mouse.up()
+    sound.wait(lambda: "closed" in sound.asked)
+    expect(hear).to_have_attribute("aria-pressed", "false")
+    assert not sound.hears
+
+
 def test_the_open_microphone_is_open_until_it_is_shut(page: Page, sound: NotedSound) -> None:
     button = page.get_by_role("button", name="Open microphone")
     button.click()

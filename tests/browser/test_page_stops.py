@@ -1,7 +1,7 @@
 """Stop works for anybody, from anywhere on the page, and stays until somebody resumes."""
 
 import pytest
-from browser_rig import PHONE, Opens, page_words
+from browser_rig import PHONE, Opens, page_words, settled
 from playwright.sync_api import Browser, Page, Route, expect
 from stand_in import CODE, HELLO, Robot
 from test_page_drives import quiet, until
@@ -23,6 +23,7 @@ def test_one_click_is_one_stop(opens: Opens, robot: Robot) -> None:
     page = opens()
     page.locator("button.stop").click()
     stopped(page)
+    settled(page)
     page.locator(".resume").click()
     expect(page.locator(".stopped")).to_be_hidden()
     assert len(robot.commands("stop")) == 1
@@ -54,6 +55,7 @@ def test_the_space_bar_stops_wherever_the_focus_is_unless_it_would_write(
         stopped(page)
         assert len(robot.commands("stop")) == count, focus
         assert not robot.commands("skill"), focus
+        settled(page)
         page.locator(".resume").click()
         expect(page.locator(".stopped")).to_be_hidden()
 
@@ -144,6 +146,8 @@ def test_a_dismissed_stop_is_not_sent_again(opens: Opens, robot: Robot) -> None:
     page.locator("html[data-link=gone]").wait_for()
     page.locator("button.stop").click()
     lost = page.locator(".stop-lost")
+    lost.wait_for()
+    settled(page)
     lost.get_by_role("button", name=page_words("close")).click()
     expect(lost).to_be_hidden()
     quiet(page, robot)

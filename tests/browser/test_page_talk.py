@@ -132,5 +132,13 @@ def test_the_robots_state_says_that_it_moves_and_that_it_is_stopped(
     expect(page.locator(".chip.state")).to_have_text(page_words("state_moving"))
     robot.live |= {"goal": None}
     expect(page.locator(".chip.state")).to_have_text(page_words("state_listening"))
+    robot.live = {"moving": True, "goal": {"skill": "grasp", "progress": 0.42}, "joints": []}
+    expect(page.locator(".chip.state")).to_have_text(page_words("state_moving"))
+    expect(page.locator(".goal")).to_have_text("42 %")
+    robot.live |= {"goal": None}
+    expect(page.locator(".goal")).to_be_hidden()
+    expect(page.locator(".chip.state")).to_have_text(page_words("state_moving"))
+    robot.live |= {"moving": False}
+    expect(page.locator(".chip.state")).to_have_text(page_words("state_listening"))
     robot.tell(type="stop", engaged=True, by="Anna", since=1.0)
     expect(page.locator(".chip.state")).to_have_text(page_words("state_stopped"))

@@ -128,6 +128,7 @@ def test_a_point_of_the_map_is_driven_to_and_its_path_and_goal_are_shown(console
     assert console.moved.wait(HUNG_S)
     live = console.robot.live()
     assert (live["goal"]["x"], live["goal"]["y"]) == (3.0, 4.0)
+    assert live["moving"]
     assert live["path"][-1] == pytest.approx([3.0, 4.0], abs=0.1)
     assert live["battery"]["level"] == 1.0
 
@@ -192,6 +193,8 @@ def test_a_stopped_robot_is_not_steered_and_says_why(console):
 
 
 def test_the_stick_heeds_the_speed_that_the_policy_permits(limited):
+    told = limited.robot.capabilities["drive"]
+    assert told == {"linear": 0.2, "angular": limited.body.max_angular_rad_s}
     limited.robot.drive(0.8, 0.0)
     limited.body.advance(0.4)
     assert limited.robot.live()["velocity"]["linear"] == pytest.approx(0.2, abs=0.01)
@@ -290,7 +293,7 @@ def test_a_body_that_only_shows_itself_gives_a_jpeg_and_is_not_steered(console):
 
     shown = ShownRobot(Painted(), Interlock(), console.parts.guard, str)
     assert Image.open(io.BytesIO(shown.picture())).size == (16, 12)
-    assert shown.live() == {"time": 0.0, "goal": None}
+    assert shown.live() == {"time": 0.0, "goal": None, "moving": False}
     assert shown.capabilities["drive"] is False
     assert len(shown.scene()["bounds"]) == 4
     shown.halt()

@@ -125,7 +125,13 @@ class _OfAgent:
         self._recorder = recorder if isinstance(recorder, RobotRecorder) else None
         self._record = str(recorder) if isinstance(recorder, NoRecorder) else True
         self._robot = (
-            ShownRobot(parts.body, parts.interlock, parts.guard, self._label)
+            ShownRobot(
+                parts.body,
+                parts.interlock,
+                parts.guard,
+                self._label,
+                lambda: parts.conversation.moving,
+            )
             if parts.body
             else None
         )

@@ -231,11 +231,23 @@ WIDEST_PX = 960
 
 
 class ShownRobot:
-    """Offers exactly what the body has. `label` is what a name is called in the language now."""
+    """Offers exactly what the body has.
 
-    def __init__(self, body: Body, interlock: Interlock, guard: Guard, label: Label) -> None:
+    `label` is what a name is called in the language now. `moving` tells whether a goal moves it.
+    """
+
+    def __init__(
+        self,
+        body: Body,
+        interlock: Interlock,
+        guard: Guard,
+        label: Label,
+        moving: Callable[[], bool] = lambda: False,
+    ) -> None:
         self._body = body
         self._label = label
+        self._moving = moving
+        self._guard = guard
         self._grid = MapGrid()
         permit = partial(guard.velocity, way=Way.CONSOLE_OPERATOR)
         self._steering = (
@@ -261,7 +273,7 @@ class ShownRobot:
 
     def live(self) -> Mapping[str, Any]:
         """Return the moving parts."""
-        return live(self._body, self._label)
+        return {**live(self._body, self._label), "moving": self._moving()}
 
     def picture(self) -> bytes | None:
         """A JPEG of the camera, or of the scene where there is none; None without either."""
@@ -306,16 +318,21 @@ class ShownRobot:
     def capabilities(self) -> Mapping[str, Any]:
         """The features that the page may offer."""
         body, names = self._body, {skill.name for skill in self._body.skills}
-        drive = isinstance(body, TakesVelocity)
         pictured = isinstance(body, HasPicture) and not isinstance(body, InWorld)
         return {
             "picture": isinstance(body, HasCamera | ReceivesPictures) or pictured,
             "map": isinstance(body, InWorld | HasPlaces | ReceivesMap),
             "goto": TO_POINT in names,
             "name_place": REMEMBER in names,
-            "drive": {"linear": body.max_linear_m_s, "angular": body.max_angular_rad_s}
-            if drive and isinstance(body, TakesVelocity)
-            else False,
+            "drive": self._fastest(body) if isinstance(body, TakesVelocity) else False,
+        }
+
+    def _fastest(self, body: TakesVelocity) -> dict[str, float]:
+        """The highest speeds of which the body is capable and that the policy permits."""
+        slowed = self._guard.policy.slowed
+        return {
+            "linear": slowed(body.max_linear_m_s, 0.0)[0],
+            "angular": slowed(0.0, body.max_angular_rad_s)[1],
         }
 
     def _places(self) -> dict[str, tuple[float, float]]:

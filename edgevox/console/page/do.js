@@ -2,7 +2,7 @@
 import { h, sign } from "./dom.js";
 import { onlyWithControl, whyNoControl } from "./lease.js";
 import { question, tellRefusal } from "./notices.js";
-import { foreign, say } from "./words.js";
+import { foreign, number, say } from "./words.js";
 
 const RECENT = 6;
 /** The skill that has a button of its own: no second stop that lasts less stands beside it. */
@@ -65,6 +65,9 @@ const BEAT_MS = 100;
 const DEAD = 0.08;
 const MOST_UNANSWERED = 3;
 const DEFAULT = { linear: 0.3, angular: 1 };
+/** What part of the robot's speed the stick has at most: this browser's choice, in these steps. */
+const STEP = 0.25;
+const KEPT = "edgevox-stick";
 const KEYS = { w: [0, 1], s: [0, -1], a: [-1, 0], d: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1], ArrowLeft: [-1, 0], ArrowRight: [1, 0] };
 
 /** Sends what the stick says, and ends with exactly one zero. */
@@ -80,6 +83,15 @@ class Driver {
     this.beat = undefined;
     /** A stop has ended what is held: nothing is sent until it is let go. */
     this.ended = false;
+    const kept = Number(localStorage.getItem(KEPT));
+    /** What part of the robot's speed a stick at its edge asks for. */
+    this.part = kept >= STEP && kept <= 1 ? kept : 1;
+  }
+
+  /** The robot's highest speeds. */
+  get limits() {
+    const told = this.store.capabilities.drive;
+    return { ...DEFAULT, ...(typeof told === "object" ? told : {}) };
   }
 
   /** Whether it may drive now. */
@@ -109,10 +121,10 @@ class Driver {
   send() {
     if (!this.may) return this.release();
     if (this.unanswered >= MOST_UNANSWERED) return;
-    const limits = typeof this.store.capabilities.drive === "object" ? this.store.capabilities.drive : {};
-    const [right, ahead] = this.stick;
-    const turn = ahead < -0.1 ? right : -right; // backwards it steers as a car does
-    this.write(ahead * (limits.linear ?? DEFAULT.linear), turn * (limits.angular ?? DEFAULT.angular));
+    const { linear, angular } = this.limits;
+    const [right, ahead] = this.stick.map((one) => one * this.part);
+    const turn = this.stick[1] < -0.1 ? right : -right; // backwards it steers as a car does
+    this.write(ahead * linear, turn * angular);
   }
 
   /** @param {number} linear @param {number} angular */
@@ -138,7 +150,9 @@ export function joystick(store, link) {
   const knob = h("div", { class: "knob" });
   const pad = h("div", { class: "stick", tabindex: "0", role: "application", "aria-label": say("joystick"),
     "aria-describedby": "stick-hint" }, knob);
-  const box = h("div", { class: "joystick", hidden: true }, pad, h("p", { class: "quiet small-text", id: "stick-hint" }, say("joystick_hint")));
+  const { element: speed, show: showSpeed } = topSpeed(driver);
+  const box = h("div", { class: "joystick", hidden: true }, pad,
+    h("div", { class: "stick-side" }, speed, h("p", { class: "quiet small-text", id: "stick-hint" }, say("joystick_hint"))));
   const show = (/** @type {number} */ right, /** @type {number} */ ahead) => {
     knob.style.transform = `translate(${right * 42}px, ${-ahead * 42}px)`;
   };
@@ -165,10 +179,27 @@ export function joystick(store, link) {
     box.hidden = !store.capabilities.drive;
     box.classList.toggle("disabled", !store.may);
     pad.setAttribute("aria-disabled", String(!store.may));
+    showSpeed();
     if (!driver.may) drop();
   };
   for (const type of ["hello", "lease", "link", "stop"]) store.on(type, arrange);
   return box;
+}
+
+/** How fast a stick at its edge drives, which this browser remembers. @param {Driver} driver */
+function topSpeed(driver) {
+  const output = h("output", { dir: "auto" });
+  const input = h("input", { type: "range", min: STEP, max: "1", step: STEP, value: driver.part, "aria-label": say("top_speed") });
+  const show = () => {
+    output.textContent = `${number(driver.part * driver.limits.linear, 2)} m/s`;
+    input.setAttribute("aria-valuetext", output.textContent);
+  };
+  input.addEventListener("input", () => {
+    driver.part = Number(input.value);
+    localStorage.setItem(KEPT, input.value);
+    show();
+  });
+  return { element: h("label", { class: "speed small-text" }, h("span", { class: "quiet" }, say("top_speed")), output, input), show };
 }
 
 /** @typedef {(right: number, ahead: number) => void} Push */
@@ -176,8 +207,10 @@ export function joystick(store, link) {
 /** @param {HTMLElement} pad @param {Push} push @param {() => void} release @returns {() => void} forgets what is held */
 function byPointer(pad, push, release) {
   let held = -1;
+  /** Where the pad was when it was pressed: what moves it meanwhile is no steering. */
+  let pressed = new DOMRect();
   const at = (/** @type {PointerEvent} */ event) => {
-    const { left, top, width, height } = pad.getBoundingClientRect();
+    const { left, top, width, height } = pressed;
     const x = (2 * (event.clientX - left)) / width - 1;
     const y = 1 - (2 * (event.clientY - top)) / height;
     const far = Math.max(1, Math.hypot(x, y));
@@ -186,6 +219,7 @@ function byPointer(pad, push, release) {
   pad.addEventListener("pointerdown", (event) => {
     if (held !== -1 || event.button !== 0) return;
     held = event.pointerId;
+    pressed = pad.getBoundingClientRect();
     pad.setPointerCapture(held);
     at(event);
   });

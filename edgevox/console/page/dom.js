@@ -39,6 +39,38 @@ export function keepFocus(box, change) {
   all.find((one) => one.getClientRects().length)?.focus();
 }
 
+const UNREAD_MS = 500;
+/** @type {ReturnType<typeof setTimeout> | undefined} */
+let settles;
+
+/**
+ * Show or hide what moves the controls around it. What is pressed right after that was aimed at what stood there before:
+ * until `data-moved` is gone, `guardPresses` lets nothing but Stop take it.
+ * @param {HTMLElement} element
+ * @param {boolean} hidden
+ */
+export function showMoving(element, hidden) {
+  if (element.hidden === hidden) return;
+  element.hidden = hidden;
+  document.documentElement.dataset.moved = "";
+  clearTimeout(settles);
+  settles = setTimeout(() => delete document.documentElement.dataset.moved, UNREAD_MS);
+}
+
+/** Nothing takes a press that was aimed at what has just moved away. */
+export function guardPresses() {
+  let astray = false;
+  /** @param {MouseEvent} event */
+  const guard = (event) => {
+    if (event.type === "pointerdown")
+      astray = "moved" in document.documentElement.dataset && !(event.target instanceof Element && event.target.closest(".stop"));
+    if (!astray || (event.type === "click" && event.detail === 0)) return; // a key presses what has the focus
+    event.preventDefault();
+    event.stopPropagation();
+  };
+  for (const type of /** @type {const} */ (["pointerdown", "click"])) document.addEventListener(type, guard, { capture: true });
+}
+
 /**
  * Replace the contents of a box. Keyboard focus stays on the control at the same position.
  * @param {HTMLElement} box

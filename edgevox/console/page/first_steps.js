@@ -14,7 +14,7 @@ import { say } from "./words.js";
 export function firstSteps(store, link, speech) {
   const whyNoSound = () => speech.deaf && (speech.why || say("sound_failed"));
   const silent = () => !store.capabilities.sound;
-  const hear = () => speech.use((sound) => sound.hear(true)).then(() => store.tell("hears"));
+  const hear = () => speech.hear(true);
   const allow = () => speech.use((sound) => sound.allow());
   const take = () => link.send({ type: "lease", action: "take" });
   const steps = [
@@ -24,6 +24,7 @@ export function firstSteps(store, link, speech) {
   ];
   const start = h("button", { class: "primary big", type: "button", onclick: async () => {
     start.disabled = true;
+    speech.chosen = true;
     const failed = await Promise.allSettled(steps.map((one) => one.run()));
     start.disabled = false;
     if (failed.some((one) => one.status === "rejected")) return start.focus(); // it says why, and is off now

@@ -1,7 +1,7 @@
 /** Puts the page together. */
 import { paired } from "./boot.js";
 import { doPanel } from "./do.js";
-import { h, sign } from "./dom.js";
+import { guardPresses, h, sign } from "./dom.js";
 import { link, store } from "./early.js";
 import { knowPanel, recordingSign } from "./know.js";
 import { leaseControl } from "./lease.js";
@@ -83,6 +83,7 @@ function consolePage(store, link) {
   const page = h("div", { class: "shell" }, topBar(store, link), noticeBar(store), h("main", { class: "panels" }, ...before, side),
     h("div", { class: "bottom" }, questionCard(store, link), stopBar(store, link)), tabBar(choose, PANELS.map(([name]) => name), "tabs"));
   document.getElementById("page")?.replaceChildren(page, toasts);
+  guardPresses();
   choose("do");
   choose(matchMedia("(min-width: 700px) and (min-height: 520.02px)").matches ? "do" : "talk");
   store.on("link", () => look(link));

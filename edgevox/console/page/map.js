@@ -3,6 +3,9 @@ import { h, redraw, sign } from "./dom.js";
 import { tellRefusal, toast, whyNot } from "./notices.js";
 import { isolated, number, say } from "./words.js";
 
+/** So far above the sheet that tells of it stands a point that was chosen. */
+const ABOVE_SHEET_PX = 12;
+
 /**
  * @param {import("./store.js").Store} store
  * @param {import("./link.js").Link} link
@@ -32,7 +35,11 @@ export function mapCard(store, link) {
     requestAnimationFrame(paint);
   };
   const grid = new MapGrid(soon);
-  const sheet = tapSheet(store, link, canvas, soon);
+  const sheet = tapSheet(store, link, canvas, () => {
+    const at = sheet.chosen();
+    view.lift = at ? Math.max(view.lift, view.lift + view.toScreen(at.x, at.y)[1] + ABOVE_SHEET_PX - sheet.element.offsetTop) : 0;
+    soon();
+  });
   moveByHand(canvas, view, soon, (px, py) => store.scene && sheet.offer(...view.toMap(px, py)));
   for (const type of ["focus", "blur"]) canvas.addEventListener(type, soon);
   new ResizeObserver(soon).observe(canvas);
@@ -84,7 +91,7 @@ function describeForReaders(store, canvas) {
     const { pose, goal } = store.live;
     const parts = [say("map")];
     if (pose) parts.push(say("map_robot_at", { x: number(pose.x), y: number(pose.y) }));
-    if (goal) parts.push(say("map_goal_left", { distance: number(goal.distance ?? 0) }));
+    if (goal?.distance) parts.push(say("map_goal_left", { distance: number(goal.distance) }));
     const text = parts.join(". ");
     if (canvas.getAttribute("aria-label") !== text) canvas.setAttribute("aria-label", text);
   };
@@ -141,9 +148,8 @@ function tapSheet(store, link, canvas, changed) {
     naming = "";
   });
   const element = h("div", { class: "tap-sheet", role: "dialog", "aria-label": say("this_point"), hidden: true },
-    h("div", { class: "row tight" }, where, h("span", { class: "fill" }), h("button", { class: "round plain", type: "button",
-      "aria-label": say("close"), onclick: leave }, sign("close"))),
-    h("div", { class: "row" }, go, form));
+    h("div", { class: "row" }, where, h("div", { class: "row tight" }, go, h("button", { class: "round plain", type: "button",
+      "aria-label": say("close"), onclick: leave }, sign("close")))), form);
   element.addEventListener("keydown", (event) => event.key === "Escape" && leave());
   const offer = (/** @type {number} */ x, /** @type {number} */ y) => {
     at = { x: Math.round(x * 100) / 100, y: Math.round(y * 100) / 100 };
@@ -202,6 +208,8 @@ class MapView {
     this.aims = false;
     this.width = 0;
     this.height = 0;
+    /** So many pixels higher it is shown, so that what covers its lower part hides no point that matters. */
+    this.lift = 0;
   }
 
   /** Fit the canvas to its place; true if it changed. */
@@ -230,12 +238,12 @@ class MapView {
 
   /** @param {number} x @param {number} y @returns {[number, number]} metres to pixels of the page */
   toScreen(x, y) {
-    return [this.width / 2 + (x - this.x) * this.scale, this.height / 2 - (y - this.y) * this.scale];
+    return [this.width / 2 + (x - this.x) * this.scale, this.height / 2 - this.lift - (y - this.y) * this.scale];
   }
 
   /** @param {number} px @param {number} py @returns {[number, number]} */
   toMap(px, py) {
-    return [this.x + (px - this.width / 2) / this.scale, this.y - (py - this.height / 2) / this.scale];
+    return [this.x + (px - this.width / 2) / this.scale, this.y - (py + this.lift - this.height / 2) / this.scale];
   }
 
   /** @param {number} dx @param {number} dy pixels */
@@ -523,9 +531,11 @@ function drawNames(g, view, store, scene, c) {
 
 /** @param {CanvasRenderingContext2D} g @param {MapView} view @param {import("./wire.js").Live} live @param {Record<string, string>} c */
 function drawPath(g, view, { path, goal, pose }, c) {
-  if (path?.length || goal) {
+  /** @type {[number, number] | null} */
+  const end = goal?.x == null || goal.y == null ? null : [goal.x, goal.y];
+  if (path?.length || end) {
     g.beginPath();
-    for (const [x, y] of path ?? (goal && pose ? [[pose.x, pose.y], [goal.x, goal.y]] : [])) g.lineTo(...view.toScreen(x, y));
+    for (const [x, y] of path ?? (end && pose ? [[pose.x, pose.y], end] : [])) g.lineTo(...view.toScreen(x, y));
     g.strokeStyle = c.path;
     g.lineWidth = 3;
     g.lineJoin = "round";
@@ -533,8 +543,8 @@ function drawPath(g, view, { path, goal, pose }, c) {
     g.stroke();
     g.setLineDash([]);
   }
-  if (!goal) return;
-  const [x, y] = view.toScreen(goal.x, goal.y);
+  if (!end) return;
+  const [x, y] = view.toScreen(...end);
   g.strokeStyle = c.path;
   g.lineWidth = 3;
   for (const size of [4, 10]) {

@@ -35,8 +35,7 @@ export function seePanel(store, link, speech) {
     shown = now;
     showGoal(goal, progress, store.live.goal);
     showJoints(joints, store.live.joints);
-    facts.replaceChildren(...factsOf(store).map(([name, value]) =>
-      h("div", { class: "fact" }, h("span", { class: "quiet" }, name), h("strong", { dir: "auto" }, value))));
+    showFacts(facts, factsOf(store));
   });
   return panel;
 }
@@ -46,7 +45,8 @@ function showGoal(box, progress, goal) {
   box.hidden = !goal;
   if (!goal) return;
   progress.value = goal.progress ?? 0;
-  /** @type {HTMLElement} */ (box.lastChild).textContent = say("metres_left", { distance: number(goal.distance ?? 0) });
+  /** @type {HTMLElement} */ (box.lastChild).textContent = goal.distance ? say("metres_left", { distance: number(goal.distance) })
+    : `${number(100 * (goal.progress ?? 0), 0)} %`;
 }
 
 /** @param {HTMLElement} box @param {import("./wire.js").Joint[] | undefined} joints */
@@ -61,6 +61,17 @@ function showJoints(box, joints) {
     /** @type {HTMLMeterElement} */ (row.children[1]).value = one.value;
     row.children[2].textContent = number(one.value, 2);
   });
+}
+
+/** Each in its place: whoever reads or selects one keeps it. @param {HTMLElement} box @param {[string, string][]} facts */
+function showFacts(box, facts) {
+  while (box.children.length > facts.length) box.lastChild?.remove();
+  while (box.children.length < facts.length)
+    box.append(h("div", { class: "fact" }, h("span", { class: "quiet" }), h("strong", { dir: "auto" })));
+  facts.forEach((words, i) => words.forEach((text, at) => {
+    const part = box.children[i].children[at];
+    if (part.textContent !== text) part.textContent = text;
+  }));
 }
 
 /** @param {import("./store.js").Store} store @returns {[string, string][]} */

@@ -1,5 +1,5 @@
 /** The software stop: a button that is always there, and the space bar. */
-import { h, sign, spaceIsWords } from "./dom.js";
+import { h, showMoving, sign, spaceIsWords } from "./dom.js";
 import { whyNoControl } from "./lease.js";
 import { tellRefusal } from "./notices.js";
 import { say } from "./words.js";
@@ -45,7 +45,7 @@ export function stopBar(store, link) {
   const stopped = h("div", { class: "stopped", role: "alert", hidden: true }, said, resume);
   const show = () => {
     const { engaged, by, since } = store.stop;
-    stopped.hidden = !engaged;
+    showMoving(stopped, !engaged);
     const at = since ? new Date(since * 1000).toLocaleTimeString() : "";
     const text = engaged ? [by ? say("stopped_by", { by }) : say("stopped"), at].filter(Boolean).join(" · ") : "";
     if (said.textContent !== text) said.textContent = text;
@@ -72,7 +72,7 @@ function insistentStop(store, link) {
   const element = h("div", { class: "stop-lost", role: "alert", hidden: true }, h("p", {}, say("stop_lost")), close);
   const show = () => {
     shouts = owed && (shouts || refused || store.link !== "ready");
-    element.hidden = !shouts;
+    showMoving(element, !shouts);
   };
   const settle = () => {
     owed = refused = false;

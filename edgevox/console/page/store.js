@@ -54,10 +54,10 @@ export class Store {
     return this.commands || this.free;
   }
 
-  /** Whether the robot is on its way or moves. */
+  /** Whether the robot moves, or a goal is on that moves it. */
   get moves() {
-    const { goal, velocity } = this.live;
-    return Boolean(goal) || Math.abs(velocity?.linear ?? 0) > STILL || Math.abs(velocity?.angular ?? 0) > STILL;
+    const { moving, goal, velocity } = this.live;
+    return Boolean(moving || goal) || Math.abs(velocity?.linear ?? 0) > STILL || Math.abs(velocity?.angular ?? 0) > STILL;
   }
 
   /** What a place, a thing or another word of the robot is called. @param {{name?: string, label?: string}} one */

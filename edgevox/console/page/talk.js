@@ -1,5 +1,5 @@
 /** The conversation: what was heard, what was decided and how sure, what the robot says. */
-import { h, keepFocus, sign } from "./dom.js";
+import { h, keepFocus, showMoving, sign } from "./dom.js";
 import { otherHolder } from "./lease.js";
 import { tellRefusal, whyNot } from "./notices.js";
 import { soundButtons } from "./talk_sound.js";
@@ -307,7 +307,7 @@ export function questionCard(store, link) {
     h("button", { class: "primary", type: "button", onclick: answer(true) }, say("yes")),
     h("button", { type: "button", onclick: answer(false) }, say("no"))));
   const show = (/** @type {string} */ text, /** @type {boolean} */ open) => {
-    card.hidden = !open;
+    showMoving(card, !open);
     words.textContent = open ? text : "";
   };
   store.on("talk", (m) => m.kind === "asked" && show(m.text ?? "", m.open !== false));

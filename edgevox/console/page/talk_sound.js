@@ -1,5 +1,6 @@
 /** Hold to talk, the open microphone, and whether this browser speaks. */
 import { h, sign } from "./dom.js";
+import { toast } from "./notices.js";
 import { say, sayOr } from "./words.js";
 
 /** States in which nobody is heard, each with a sentence of the page. */
@@ -24,6 +25,8 @@ export class Speech {
     this.why = "";
     /** @type {Promise<any> | null} */
     this.opened = null;
+    /** Whether somebody has chosen if the robot is heard here. */
+    this.chosen = false;
   }
 
   /** Why this browser can neither hear nor speak; empty if it may. */
@@ -45,6 +48,7 @@ export class Speech {
     const path = "./sound/sound.js"; // a name that is known only while it runs: the page works without
     const { Sound } = await import(path);
     const sound = new Sound((/** @type {any} */ state) => this.tell(typeof state === "string" ? state : state?.error ?? state?.state ?? ""));
+    sound.onLevel = (/** @type {number} */ level) => this.store.tell("level", level);
     await sound.connect();
     return sound;
   }
@@ -53,6 +57,19 @@ export class Speech {
   async speak(on, action) {
     if (on && this.store.free) await this.link.send({ type: "lease", action: "take" });
     return this.use(action);
+  }
+
+  /** Whether what the robot says is played here. @param {boolean} on */
+  async hear(on) {
+    this.chosen = true;
+    await this.use((sound) => sound.hear(on));
+    this.store.tell("hears", on);
+  }
+
+  /** Whether the browser will ask the person for the microphone. */
+  async asks() {
+    const name = /** @type {PermissionName} */ ("microphone"); // which not every browser knows
+    return navigator.permissions.query({ name }).then(({ state }) => state === "prompt", () => false);
   }
 
   /** @param {string} code */
@@ -70,13 +87,14 @@ export class Speech {
 export function soundButtons(store, speech) {
   const why = h("p", { class: "quiet small-text", role: "status" });
   const open = toggle("waves", say("open_microphone"), (on) => speech.speak(on, (s) => s.open(on)));
-  const hear = toggle("ear", say("hear_here"), (on) => speech.use((s) => s.hear(on)));
+  const hear = toggle("ear", say("hear_here"), (on) => speech.hear(on));
   const box = h("div", { class: "sound" }, h("div", { class: "row tight" }, holdToTalk(store, speech), named(open), named(hear)), why);
   store.on("sound", (broken) => {
     why.textContent = speech.why;
     if (broken) open.setAttribute("aria-pressed", "false"); // it never goes on by itself
   });
-  store.on("hears", () => hear.setAttribute("aria-pressed", "true"));
+  store.on("hears", (on) => hear.setAttribute("aria-pressed", String(on)));
+  showLevel(store, open);
   const show = () => {
     box.hidden = !store.capabilities.sound;
     open.disabled = Boolean(speech.deaf) || !store.may;
@@ -88,19 +106,52 @@ export function soundButtons(store, speech) {
 }
 
 /**
+ * How loud the microphone is, for the style sheet to show while the button is on.
+ * @param {import("./store.js").Store} store
+ * @param {HTMLElement} button
+ */
+function showLevel(store, button) {
+  store.on("level", (level) => button.style.setProperty("--level", level.toFixed(2)));
+}
+
+/**
+ * The first time it is held the browser asks for the microphone, and what is said meanwhile is lost: the button says so,
+ * and that it can be held again. With it this browser begins to play what the robot says, unless somebody has chosen that.
  * @param {import("./store.js").Store} store
  * @param {Speech} speech
  */
 export function holdToTalk(store, speech) {
+  const words = h("span", {}, say("hold_to_talk"));
   const button = h("button", { class: "hold fill", type: "button", "aria-pressed": "false" },
-    sign("microphone"), h("span", {}, say("hold_to_talk")));
+    sign("microphone"), words, h("span", { class: "level" }));
+  showLevel(store, button);
   let held = false;
+  const listen = async () => {
+    let asked = false;
+    let waits = true;
+    speech.asks().then((asks) => {
+      asked = asks;
+      if (asks && waits) words.textContent = say("allow_microphone");
+    });
+    try {
+      await speech.speak(true, (sound) => sound.hold(held));
+      if (asked && !held && !(await speech.asks())) toast(say("microphone_ready"), "good");
+    } catch {
+      held = false;
+      button.classList.remove("on");
+      if (speech.why && !button.closest(".sound")) toast(speech.why); // where it does not stand already
+    }
+    waits = false;
+    words.textContent = say("hold_to_talk");
+  };
   const hold = (/** @type {boolean} */ on) => {
     if (on === held) return;
     held = on;
     button.classList.toggle("on", on);
     button.setAttribute("aria-pressed", String(on));
-    speech.speak(on, (sound) => sound.hold(held)).catch(() => (held = false) || button.classList.remove("on"));
+    if (!on) return void speech.speak(false, (sound) => sound.hold(held)).catch(() => {});
+    listen();
+    if (!speech.chosen) speech.hear(true).catch(() => {});
   };
   button.addEventListener("pointerdown", (event) => {
     if (event.button !== 0) return;

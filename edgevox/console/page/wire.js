@@ -10,9 +10,9 @@
  *   furniture?: Shape[], rooms?: Room[], places?: Place[], grid?: Grid, radius?: number}} Scene
  * @typedef {{name: string, value: number, lower?: number, upper?: number}} Joint  radians
  * @typedef {{name: string, label?: string, x: number, y: number, z?: number, held?: boolean}} Thing
- * @typedef {{time?: number, pose?: {x: number, y: number, yaw: number},
+ * @typedef {{time?: number, moving?: boolean, pose?: {x: number, y: number, yaw: number},
  *   velocity?: {linear: number, angular: number}, lidar?: number[], path?: Point[],
- *   goal?: {x: number, y: number, progress: number, distance: number} | null,
+ *   goal?: {x?: number, y?: number, progress: number, distance?: number} | null,
  *   furniture?: Shape[], battery?: {level: number, charging?: boolean} | null,
  *   joints?: Joint[], hand?: {open?: boolean | number, holding?: string | null} | null,
  *   things?: Thing[]}} Live

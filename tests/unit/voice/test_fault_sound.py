@@ -2,6 +2,7 @@
 
 import sys
 import threading
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from types import SimpleNamespace
 
@@ -319,6 +320,35 @@ class PortAudio(SimpleNamespace):
         self.do("query")
         both = {"max_input_channels": 1, "max_output_channels": 2}
         return [{"index": 0, "name": "usb", "default_samplerate": 48_000.0, **both}]
+
+
+ABSENT = """
+import looked_for
+looked_for.begun.set()
+looked_for.by_all.wait({hung_s})
+raise OSError("PortAudio library not found")
+"""
+
+
+def test_a_machine_without_portaudio_says_so_to_all_that_look_for_it_at_once(tmp_path, monkeypatch):
+    (tmp_path / "sounddevice.py").write_text(ABSENT.format(hung_s=HUNG_S))
+    looked_for = SimpleNamespace(begun=threading.Event(), by_all=threading.Event())
+    others = threading.Barrier(8, looked_for.by_all.set)
+    monkeypatch.setitem(sys.modules, "looked_for", looked_for)
+    monkeypatch.delitem(sys.modules, "sounddevice", raising=False)
+    monkeypatch.syspath_prepend(tmp_path)
+
+    def look(*, first=False):
+        if not first:
+            assert looked_for.begun.wait(HUNG_S)
+            others.wait(HUNG_S)
+        with pytest.raises(DeviceMissing, match="libportaudio2"):
+            devices.devices("input")
+
+    with ThreadPoolExecutor(9) as pool:
+        looks = [pool.submit(look, first=not number) for number in range(9)]
+        for one in looks:
+            one.result()
 
 
 OPENERS = [

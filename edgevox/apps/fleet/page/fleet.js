@@ -7,8 +7,12 @@
  *   disk_free_mib: number | null, recording: boolean | null}} Robot
  */
 
+/** What the page says, in the browser's language if there are words in it; they come with the document. */
+const given = /** @type {HTMLElement} */ (document.getElementById("words"));
 /** @type {Record<string, string>} */
-const WORDS = { unknown: "not checked yet", ready: "ready", warned: "ready, with problems", unwell: "not ready", gone: "not responding" };
+const words = JSON.parse(given.textContent ?? "");
+const language = given.lang;
+const NEW_CODE = "edgevox-console pair --viewer";
 const EVERY_MS = 1000;
 const PAIRING = "#pair=";
 const rows = /** @type {HTMLElement} */ (document.getElementById("robots"));
@@ -17,8 +21,26 @@ const summary = /** @type {HTMLElement} */ (document.getElementById("summary"));
 const form = /** @type {HTMLFormElement} */ (document.getElementById("pair"));
 const code = /** @type {HTMLInputElement} */ (document.getElementById("code"));
 
+/** The words for a key, with their {values}. @param {string} key @param {Record<string, string>} [values] */
+const say = (key, values = {}) => words[key].replace(/\{(\w+)\}/g, (_, name) => values[name] ?? "");
+
+/** @param {number} value @param {number} [digits] */
+const number = (value, digits = 0) => value.toLocaleString(language, { maximumFractionDigits: digits, minimumFractionDigits: digits });
+
+function tellWords() {
+  document.documentElement.lang = language;
+  document.documentElement.dir = language === "ar" ? "rtl" : "ltr";
+  document.title = say("robots");
+  for (const one of /** @type {NodeListOf<HTMLElement>} */ (document.querySelectorAll("[data-say]"))) one.textContent = say(one.dataset.say ?? "");
+  const [before, after] = words.pair_how.split("{command}");
+  const command = document.createElement("code");
+  command.dir = "ltr";
+  command.textContent = NEW_CODE;
+  document.getElementById("how")?.replaceChildren(before, command, after);
+}
+
 /** @param {string} text */
-function say(text) {
+function tell(text) {
   if (summary.textContent !== text) summary.textContent = text; // a screen reader repeats text that is written again
 }
 
@@ -28,6 +50,7 @@ function row(robot) {
   one.className = robot.state;
   const name = document.createElement("th");
   name.scope = "row";
+  name.dir = "auto";
   if (robot.console) {
     const link = document.createElement("a");
     link.href = robot.console;
@@ -40,14 +63,14 @@ function row(robot) {
   const image = robot.image && !robot.image.endsWith(robot.version ?? " ") ? ` (${short(robot.image)})` : "";
   one.append(
     name,
-    cell("State", WORDS[robot.state] ?? robot.state, "state"),
-    cell("Problems", problems.join("; ")),
-    cell("Motion", told(robot.stopped, (stopped) => stopped ? "stopped" : "allowed"), robot.stopped ? "stopped" : ""),
-    cell("Battery", told(robot.battery, (charge) => `${Math.round(100 * charge)} %`)),
-    cell("Disk free", told(robot.disk_free_mib, (free) => `${(free / 1024).toFixed(1)} GiB`)),
-    cell("Recorder", told(robot.recording, (records) => records ? "recording" : "off")),
-    cell("Version", told(robot.version, (version) => version + image)),
-    cell("Last check", told(robot.age_s, (age) => `${Math.round(age)} s ago`)),
+    cell("state", say(`state_${robot.state}`), "state"),
+    asItIs(cell("problems", problems.join("; "))),
+    cell("motion", told(robot.stopped, (stopped) => say(stopped ? "motion_stopped" : "motion_allowed")), robot.stopped ? "stopped" : ""),
+    cell("battery", told(robot.battery, (charge) => `${number(100 * charge)} %`)),
+    asItIs(cell("disk", told(robot.disk_free_mib, (free) => `${number(free / 1024, 1)} GiB`))),
+    cell("recorder", told(robot.recording, (records) => say(records ? "recorder_on" : "recorder_off"))),
+    asItIs(cell("version", told(robot.version, (version) => version + image))),
+    cell("last_check", told(robot.age_s, (age) => say("ago", { seconds: number(age) }))),
   );
   return one;
 }
@@ -62,11 +85,18 @@ function short(image) {
   return image.startsWith("sha256:") ? image.slice(7, 19) : image;
 }
 
-/** @param {string} label @param {string} text @param {string} [kind] */
-function cell(label, text, kind = "") {
+/** What has no words in other languages. @param {HTMLElement} one */
+function asItIs(one) {
+  one.lang = "en";
+  one.dir = "auto";
+  return one;
+}
+
+/** @param {string} key of its label @param {string} text @param {string} [kind] */
+function cell(key, text, kind = "") {
   const one = document.createElement("td");
   one.className = kind;
-  one.dataset.label = label;
+  one.dataset.label = say(key);
   one.textContent = text;
   return one;
 }
@@ -78,11 +108,13 @@ function show(robots) {
   if (focused !== null) [...rows.querySelectorAll("a")].find((one) => one.textContent === focused)?.focus();
   const count = (/** @type {string[]} */ ...states) => robots.filter((one) => states.includes(one.state)).length;
   const stopped = robots.filter((one) => one.stopped).length;
-  say([
-    `${count("ready", "warned")} of ${robots.length} robots ready`,
-    ...(count("warned") ? [`${count("warned")} with problems`] : []),
-    ...(stopped ? [`${stopped} stopped`] : []),
-  ].join(", "));
+  const bad = count("warned");
+  const parts = [
+    say("ready_count", { ready: number(count("ready", "warned")), all: number(robots.length) }),
+    ...(bad ? [say("problems_count", { count: number(bad) })] : []),
+    ...(stopped ? [say("stopped_count", { count: number(stopped) })] : []),
+  ];
+  tell(parts.join(" \u00b7 "));
 }
 
 /** Why the last code was refused; empty if it was not. */
@@ -92,14 +124,14 @@ let refused = "";
 async function pair(told) {
   const headers = { "Content-Type": "application/json" };
   const answer = await fetch("/api/pair", { method: "POST", headers, body: JSON.stringify({ code: told }) });
-  refused = answer.ok ? "" : answer.status === 403 ? "This is not the code, or it was used before." : await answer.text();
+  refused = answer.ok ? "" : answer.status === 403 ? say("pair_wrong") : answer.status === 429 ? say("pair_429") : await answer.text();
   look();
 }
 
 function ask() {
   table.hidden = true;
   form.hidden = false;
-  say(refused || "This browser is not paired.");
+  tell(refused || say("not_paired"));
 }
 
 async function look() {
@@ -112,7 +144,7 @@ async function look() {
     document.body.className = "";
   } catch {
     document.body.className = "stale";
-    say("Server not responding. This view is out of date.");
+    tell(say("stale"));
   }
   setTimeout(look, EVERY_MS);
 }
@@ -122,8 +154,9 @@ form.addEventListener("submit", (event) => {
   pair(code.value);
 });
 
+tellWords();
 if (location.hash.startsWith(PAIRING)) {
-  const given = location.hash.slice(PAIRING.length);
+  const once = location.hash.slice(PAIRING.length);
   history.replaceState(null, "", location.pathname); // a code is for once
-  pair(given);
+  pair(once);
 } else look();

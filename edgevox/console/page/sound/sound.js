@@ -16,6 +16,8 @@ const AGAIN_MS = 1000;
 /** What the robot said is not played when it is later than this. */
 const OLD_MS = 200;
 const CONNECT_MS = 5000;
+/** A quiet room is so much softer than the loudest sound. */
+const QUIET_DB = 60;
 
 export class Sound {
   /** @param {(state: string) => void} onState what the robot says of it, and what went wrong */
@@ -23,6 +25,8 @@ export class Sound {
     this.onState = onState;
     /** Called with a turn when its first sample is played. @type {(turn: number) => void} */
     this.onPlaying = () => {};
+    /** Called with how loud the microphone is, 0 to 1, while somebody may speak. @type {(level: number) => void} */
+    this.onLevel = () => {};
     this.context = new AudioContext({ latencyHint: "interactive" });
     /** @type {Promise<void> | null} */
     this.worklets = null;
@@ -33,6 +37,8 @@ export class Sound {
     /** @type {AudioWorkletNode | null} */
     this.player = null;
     this.held = this.opened = this.hearing = false;
+    /** Whether there was a microphone since it is held. */
+    this.heard = false;
     this.sequence = 0;
     this.lateness = new Lateness();
     /** @type {ReturnType<typeof setTimeout> | undefined} */
@@ -56,12 +62,14 @@ export class Sound {
   async hold(on) {
     clearTimeout(this.letting);
     if (!on) {
-      if (this.held) this.letting = setTimeout(() => this.letGo(), LET_GO_MS);
+      if (this.held) this.letting = setTimeout(() => this.letGo(), this.heard ? LET_GO_MS : 0);
       return;
     }
     if (this.held) return;
     this.held = true;
+    this.heard = false;
     await this.speak({ type: "talk", held: true }, () => this.held);
+    this.heard = true;
   }
 
   /** Ask the person for the microphone, before anything is said. */
@@ -123,6 +131,7 @@ export class Sound {
   keep() {
     clearTimeout(this.keeping);
     if (this.held || this.opened) return;
+    this.onLevel(0);
     this.keeping = setTimeout(() => {
       this.microphone?.then((one) => one.close(), () => {});
       this.microphone = null;
@@ -132,6 +141,7 @@ export class Sound {
   /** @param {ArrayBuffer} frame */
   async send(frame) {
     if (!this.held && !this.opened) return;
+    this.onLevel(loudness(new Int16Array(frame)));
     const socket = await this.line;
     if (socket?.readyState !== WebSocket.OPEN || socket.bufferedAmount > MOST_WAITING) return;
     const message = new Uint8Array(HEAD_UP + FRAME_BYTES);
@@ -197,6 +207,12 @@ export class Sound {
     player.connect(this.context.destination);
     return player;
   }
+}
+
+/** How loud it is between a quiet room, 0, and as loud as can be, 1; the ear's measure. @param {Int16Array} samples */
+function loudness(samples) {
+  const square = samples.reduce((sum, one) => sum + (one / 32768) ** 2, 0) / samples.length;
+  return Math.min(1, Math.max(0, 1 + (10 * Math.log10(square + 1e-9)) / QUIET_DB));
 }
 
 /** @typedef {{close: () => void}} Microphone */
