@@ -1,6 +1,6 @@
 """Commands to EdgeVox, from a person, a ROS 2 node or a script, and the ways by which they come."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 from typing import Any, Protocol
@@ -55,6 +55,12 @@ class Hypothesis:
     """Probability of these words among all hypotheses, from 0 to 1."""
     confidence: float
     """Mean probability of the words' tokens, from 0 to 1."""
+
+
+def as_hypotheses(text: str, confidence: float, others: Sequence[Hypothesis]) -> list[Hypothesis]:
+    """The transcript, with the share that the others leave, and the others."""
+    share = max(0.0, 1.0 - sum(one.share for one in others))
+    return [Hypothesis(text, share, confidence), *others]
 
 
 @dataclass(frozen=True, slots=True)

@@ -110,7 +110,7 @@ def test_back_in_its_middle_the_stick_is_let_go_once(opens: Opens, robot: Robot)
 def test_the_stick_stands_still_when_a_goal_or_what_is_known_of_the_robot_comes_or_goes(
     opens: Opens, robot: Robot
 ) -> None:
-    robot.live = {"type": "live"}
+    robot.live = {}
     page = opens()
     before = page.locator(".stick").bounding_box()
     robot.live = {

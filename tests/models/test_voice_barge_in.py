@@ -163,7 +163,7 @@ def speak_in(pool):
         utterance.say(ANSWER)
         spoken = utterance.finish()
         if room.silent:
-            room.silent.join()
+            room.silent.join(HUNG_S)
         listener.close()
         speech_output.close()
         sink.close()

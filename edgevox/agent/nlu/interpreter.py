@@ -39,7 +39,7 @@ from edgevox.agent.turn import Turn
 from edgevox.core.agent_events import HandedOver
 from edgevox.core.bus import Bus
 from edgevox.core.clock import Clock
-from edgevox.core.commands import Hypothesis, Way
+from edgevox.core.commands import Way, as_hypotheses
 from edgevox.core.events import Outcome
 from edgevox.core.log import get_logger
 
@@ -246,8 +246,7 @@ class Interpreter:
         """
         if turn.way is not Way.VOICE:
             return None
-        share = max(0.0, 1.0 - sum(one.share for one in turn.others))
-        several = [Hypothesis(text, share, turn.hearing), *turn.others]
+        several = as_hypotheses(text, turn.hearing, turn.others)
         for agent in self._active_first():
             near = self._near[agent.name].nearest(several) if agent.name in self._near else None
             if near is None or self._objects(agent, {text, near.heard.text}, near.words):

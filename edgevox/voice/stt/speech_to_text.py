@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 from typing import Protocol
 
 from edgevox.core.clock import Clock, SystemClock
-from edgevox.core.commands import Hypothesis
+from edgevox.core.commands import Hypothesis, as_hypotheses
 from edgevox.voice.audio import Samples
 
 
@@ -216,8 +216,7 @@ def both(one: Transcript, other: Transcript) -> Transcript:
         return one
     said: dict[str, Hypothesis] = {}
     for heard in (one, other):
-        share = max(0.0, 1.0 - sum(h.share for h in heard.others))
-        for h in (Hypothesis(heard.text, share, heard.confidence), *heard.others):
+        for h in as_hypotheses(heard.text, heard.confidence, heard.others):
             known = said.setdefault(plain_words(h.text), replace(h, share=0.0))
             said[plain_words(h.text)] = replace(
                 known,
