@@ -58,6 +58,10 @@ BENCHMARKS: Mapping[str, Benchmark] = {
         "training.adapter.noise_ways",
         "noise suppression, gain control and a larger model, for commands in noise",
     ),
+    "motors": Benchmark(
+        "benchmarks.hearing.motors",
+        "what a robot takes for a voice of its own motors, fans and steps, and speech over them",
+    ),
     "stop_words": Benchmark(
         "benchmarks.hearing.stop_words.english",
         "which stop words are heard by their sound, and what else is taken for one",

@@ -9,7 +9,7 @@ import numpy as np
 
 from benchmarks.hearing.echo_paths import EchoPath, Sound, as_samples, noise_floor
 from edgevox.core.bus import Bus
-from edgevox.core.commands import Command, Heard, Interrupt, StopSpotted
+from edgevox.core.commands import Command, Heard, Interrupt, SpokenOver, StopSpotted
 from edgevox.core.settings import Echo
 from edgevox.voice.audio import FRAME_S, FRAME_SAMPLES, RATE_HZ, EndOfSound, Frame, rms
 from edgevox.voice.echo.played import PlayedSound
@@ -30,18 +30,29 @@ AFTERWARDS_S = 1.2
 class Happened:
     """What the listener made of it."""
 
+    held_s: list[float] = field(default_factory=list)
     interrupted_s: list[float] = field(default_factory=list)
     heard: list[Heard] = field(default_factory=list)
     stopped_s: list[float] = field(default_factory=list)
 
 
 class Room:
-    """A source for the listener, and what its loudspeaker plays meanwhile."""
+    """A source for the listener, and what its loudspeaker plays meanwhile.
+
+    `beside` is heard all the time.
+    """
 
     name = "room"
 
     def __init__(
-        self, speech: Sound, path: EchoPath, person: Sound, person_s: float, *, yields: bool
+        self,
+        speech: Sound,
+        path: EchoPath,
+        person: Sound,
+        person_s: float,
+        *,
+        yields: bool,
+        beside: Sound | None = None,
     ) -> None:
         count = max(speech.size, round(person_s * RATE_HZ) + person.size)
         count += round(AFTERWARDS_S * RATE_HZ)
@@ -52,6 +63,8 @@ class Room:
         self._others = noise_floor(count, path.seed)
         at = round(person_s * RATE_HZ)
         self._others[at : at + person.size] += person
+        if beside is not None:
+            self._others += np.resize(beside, count)
         self._late = np.random.default_rng(path.seed)
         self._frames = self._played_blocks = 0
         self._cut_at = count
@@ -73,6 +86,8 @@ class Room:
                 self.happened.heard.append(command)
             case StopSpotted():
                 self.happened.stopped_s.append(self.now_s)
+            case SpokenOver():
+                self.happened.held_s.append(self.now_s)
             case Interrupt():
                 self.happened.interrupted_s.append(self.now_s)
                 if self._yields and self._cut_at == self._speech.size:

@@ -104,6 +104,54 @@ def pump(rng: np.random.Generator, n: int) -> Wave:
     return stroke * (pink(rng, n) + 0.3 * white(rng, n)) + 0.2 * brown(rng, n)
 
 
+def wheels(rng: np.random.Generator, n: int) -> Wave:
+    """Drive motors that start, cruise and brake: gears, the drive's whistle, tyres on the floor."""
+    speed, turns = _driven(rng, n), rng.uniform(60, 180)
+    gears = _harmonics(rng, turns * speed, 20)
+    mesh = _harmonics(rng, rng.integers(7, 19) * turns * speed, 5)
+    whistle = np.sin(2 * np.pi * rng.uniform(3000, 7000) * np.arange(n) / RATE_HZ)
+    rolling = 0.8 * _level(coloured(rng, n, 1.5))
+    return (0.5 * gears + 0.5 * mesh + 0.1 * whistle + rolling) * (0.02 + speed**0.7)
+
+
+def joints(rng: np.random.Generator, n: int) -> Wave:
+    """The servos of an arm or a leg: short moves, each a whine that rises and falls."""
+    made, at = 0.01 * white(rng, n), 0
+    while at < n:
+        length = min(n - at, int(RATE_HZ * rng.uniform(0.12, 0.9)))
+        speed = np.sin(np.pi * np.linspace(0, 1, length)) ** rng.uniform(0.3, 1.2)
+        base = rng.uniform(120, 600) * (0.25 + speed)
+        whine = _harmonics(rng, base, int(rng.integers(4, 16)))
+        whine *= 1 + 0.3 * np.sin(2 * np.pi * np.cumsum(base / 11) / RATE_HZ)
+        made[at : at + length] += (whine + 0.3 * white(rng, length)) * speed
+        at += length + int(RATE_HZ * rng.uniform(0, 0.6))
+    return made
+
+
+def steps(rng: np.random.Generator, n: int) -> Wave:
+    """A humanoid that walks: each step a thump, a slap and a ringing shell, over its joints."""
+    made, at, period_s = 0.4 * joints(rng, n), 0.0, rng.uniform(0.35, 0.8)
+    while at < n:
+        first = int(at)
+        t = np.arange(min(n - first, RATE_HZ // 4)) / RATE_HZ
+        thump = 6 * np.sin(2 * np.pi * rng.uniform(50, 110) * t) * np.exp(-25 * t)
+        slap = 3 * white(rng, t.size) * np.exp(-rng.uniform(60, 200) * t)
+        shell = sum(
+            np.sin(2 * np.pi * rng.uniform(200, 1800) * t) * np.exp(-rng.uniform(20, 60) * t)
+            for _ in range(4)
+        )
+        made[first : first + t.size] += rng.uniform(0.7, 1) * (thump + slap + shell)
+        at += RATE_HZ * period_s * rng.uniform(0.93, 1.07)
+    return made
+
+
+def fans(rng: np.random.Generator, n: int) -> Wave:
+    """Fans whose speed follows the load."""
+    speed = 0.65 + 0.35 * _slow(rng, n, 0.25)
+    blades = _harmonics(rng, rng.uniform(150, 450) * speed, 6)
+    return (_level(coloured(rng, n, rng.uniform(0.5, 1.4))) + 0.5 * blades) * speed
+
+
 def babble(rng: np.random.Generator, n: int, half: Half, people: int = 5) -> Wave:
     """Several people who talk at once, none of whom says a stop word."""
     voices, made = espeak_voices(half), np.zeros(n)
@@ -126,6 +174,9 @@ _ONLY: dict[Half, dict[str, _Maker]] = {
     Half.TUNING: {"pump": pump},
     Half.HELD_OUT: {"gears": gears, "vacuum": vacuum, "clatter": clatter},
 }
+_ITS_OWN: dict[str, _Maker] = {"wheels": wheels, "joints": joints, "steps": steps, "fans": fans}
+ITS_OWN = tuple(_ITS_OWN)
+"""What a robot hears of itself: in no half, because nothing is trained with it."""
 BABBLE = "babble"
 
 
@@ -140,7 +191,7 @@ def noise(kind: str, seconds: float, seed: int, half: Half) -> Wave:
     n = int(seconds * RATE_HZ)
     if kind == BABBLE:
         return _level(babble(rng, n, half))
-    return _level(({**_BOTH, **_ONLY[half]})[kind](rng, n))
+    return _level(({**_BOTH, **_ONLY[half], **_ITS_OWN})[kind](rng, n))
 
 
 def _level(sound: Wave) -> Wave:
@@ -151,6 +202,22 @@ def _slow(rng: np.random.Generator, n: int, hertz: float = 0.7) -> Wave:
     """A curve within -1 and 1 that changes so often a second."""
     points = rng.uniform(-1, 1, int(n / RATE_HZ * hertz) + 3)
     return np.interp(np.arange(n) * hertz / RATE_HZ, np.arange(points.size), points)
+
+
+def _driven(rng: np.random.Generator, n: int) -> Wave:
+    """A speed, 0 to 1: standing, speeding up, cruising and braking by turns."""
+    times, speeds = [0.0], [0.0]
+    while times[-1] < n / RATE_HZ:
+        speed = rng.uniform(0.3, 1)
+        for takes_s, reached in (
+            (rng.uniform(0.2, 2.0), 0.0),
+            (rng.uniform(0.2, 1.5), speed),
+            (rng.uniform(0.5, 4.0), speed * rng.uniform(0.9, 1.1)),
+            (rng.uniform(0.2, 1.0), 0.0),
+        ):
+            times.append(times[-1] + takes_s)
+            speeds.append(reached)
+    return np.interp(np.arange(n) / RATE_HZ, times, speeds)
 
 
 def _harmonics(rng: np.random.Generator, base: Wave, number: int) -> Wave:

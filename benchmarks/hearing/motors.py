@@ -1,0 +1,209 @@
+"""The robot's own motors, fans and steps: what it takes for a voice, and speech over them.
+
+The sounds are made from seeds (`training.acoustics.noises`): drive wheels that speed up and brake,
+the servos of an arm, a humanoid's steps, and fans. Nothing was trained or tuned with them. Alone,
+they are as loud as a voice at -26 dB of full scale, and 12 dB louder, as at a microphone on the
+chassis. What is taken for an utterance then goes to Whisper and the interpreter, as in the product.
+
+Beside the robot's own voice, in the six ways of `duplex` from loudspeaker to microphone, they are
+as loud as the person there. In the last part a person says commands at 0 dB, in a room. What was
+cut lost more than 0.3 s of its end, what ended late did so more than 0.5 s later than in quiet.
+"""
+
+import itertools
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from listener_rig import frames
+
+from benchmarks.core.figures import Figure, Measured, NotHere
+from benchmarks.hearing.duplex import PERSON_DB, PLAYED_LEVEL, own_voice
+from benchmarks.hearing.duplex_room import Room, listen_in
+from benchmarks.hearing.echo_paths import PATHS
+from benchmarks.hearing.heard_robot import Robot
+from benchmarks.hearing.listening import NoWords
+from benchmarks.hearing.wake_words import ENGINES, PHRASES
+from edgevox.models import ModelMissing, locate
+from edgevox.voice.audio import FULL_SCALE, RATE_HZ, Samples
+from edgevox.voice.stop_spotter.network import ENCODER
+from edgevox.voice.stop_spotter.spotter import open_stop_spotter
+from edgevox.voice.utterance_end import Endpointer, SpeechEnded
+from edgevox.voice.vad import open_vad
+from training.acoustics import Half
+from training.acoustics.mixing import at_level, mixed
+from training.acoustics.noises import ITS_OWN, noise
+from training.acoustics.rooms import in_room, room_of
+from training.acoustics.voices import kokoro_voices, say
+
+ALONE, OVER = "Its own motors alone", "Its own motors, while it speaks"
+SPEECH = "Speech over its own motors, at 0 dB"
+LEVELS_DB = {"as loud as a voice": -26.0, "12 dB louder": -14.0}
+ALONE_S, PIECE_S = 3600.0, 30.0
+OVER_S = 20.0
+"""Of each sound in each way."""
+COMMANDS = (
+    "Go to the kitchen.", "Turn left.", "Where are you?", "Stop!", "Walk forward one metre.",
+    "What is your battery level?",
+)  # fmt: skip
+VOICES, RT60_S, BEFORE_S, AFTER_S = 6, 0.4, 4.0, 4.0
+CUT_S, LATE_S = 0.3, 0.5
+
+
+@dataclass(frozen=True, slots=True)
+class Utterance:
+    """What was taken for one: its first and last voice, and when it was over, in seconds."""
+
+    began_s: float
+    ended_s: float
+    over_s: float
+
+
+@dataclass
+class Taken:
+    """What motors were taken for."""
+
+    utterances: list[Samples] = field(default_factory=list)
+    wakes: int = 0
+    stops: int = 0
+
+
+def measure(quick: bool = False) -> Measured:
+    """Motors alone, motors while it speaks, and speech over motors."""
+    try:
+        figures = [
+            *_alone(240.0 if quick else ALONE_S),
+            *_over_its_voice(2.0 if quick else OVER_S),
+            *_of_speech(1 if quick else VOICES),
+        ]
+    except ModelMissing as error:
+        raise NotHere(str(error)) from error
+    return Measured(figures=tuple(figures))
+
+
+def motors(kind: str, seconds: float, seed: int, level_db: float) -> Samples:
+    """So much of a sound, at so many dB of full scale."""
+    sound = noise(kind, seconds, seed, Half.HELD_OUT) * FULL_SCALE * 10 ** (level_db / 20)
+    return np.clip(sound, -FULL_SCALE, FULL_SCALE - 1).astype(np.int16)
+
+
+def utterances(sound: Samples) -> list[Utterance]:
+    """What the listener would take for utterances; one that has no end is over at infinity."""
+    vad, endpointer, found = open_vad(), Endpointer(), list[Utterance]()
+    for frame in frames(sound):
+        signal = endpointer.push(frame, vad.probability(frame.samples))
+        if isinstance(signal, SpeechEnded):
+            found.append(Utterance(signal.began_s, signal.ended_s, frame.end_s))
+    if last := endpointer.finish():
+        found.append(Utterance(last.began_s, last.ended_s, np.inf))
+    return found
+
+
+def _alone(seconds: float) -> Iterator[Figure]:
+    pieces = max(1, round(seconds / PIECE_S / len(ITS_OWN) / len(LEVELS_DB)))
+    robot = Robot("robot-apartment")
+    for name, level_db in LEVELS_DB.items():
+        key, minutes = f"{-level_db:.0f}", pieces * len(ITS_OWN) * PIECE_S / 60
+        taken = _taken(motors(kind, PIECE_S, seed, level_db)
+                       for kind, seed in itertools.product(ITS_OWN, range(pieces)))  # fmt: skip
+        words = [said for one in taken.utterances if (said := robot.hear_out(one)).text]
+        for what, count, wanted in (
+            ("wake words, of four phrases", taken.wakes, 0),
+            ("stops by their sound", taken.stops, 0),
+            ("utterances", len(taken.utterances), None),
+            ("utterances in which words were heard", len(words), None),
+            ("motions for them", sum(map(robot.moves, words)), 0),
+        ):
+            yield Figure(
+                id=f"alone.{key}.{what.split()[0]}" + (".words" if "in which" in what else ""),
+                table=ALONE, what=what, column=f"{name}, in {minutes:.0f} min", value=count,
+                wanted=wanted,
+            )  # fmt: skip
+
+
+def _taken(sounds: Iterator[Samples]) -> Taken:
+    """One sound after the other, by all that listens for a person."""
+    found, vad, endpointer = Taken(), open_vad(), Endpointer()
+    wakewords = [ENGINES["micro"](phrase) for phrase in PHRASES]
+    spotter = open_stop_spotter(locate(ENCODER))
+    for frame in frames(np.concatenate(list(sounds))):
+        probability = vad.probability(frame.samples)
+        found.wakes += sum(one.heard(frame.samples, probability) for one in wakewords)
+        found.stops += spotter.heard(frame.samples, vad.any_voice)
+        signal = endpointer.push(frame, probability)
+        if isinstance(signal, SpeechEnded):
+            found.utterances.append(signal.samples)
+    for one in wakewords:
+        one.close()
+    return found
+
+
+def _over_its_voice(seconds: float) -> Iterator[Figure]:
+    """It speaks and moves; nobody else is there."""
+    counts = Counter[str]()
+    for kind, path in itertools.product(ITS_OWN, PATHS):
+        level_db = 20 * np.log10(PLAYED_LEVEL) + path.gain_db + PERSON_DB
+        beside = motors(kind, seconds, path.seed, level_db) / FULL_SCALE
+        speech = own_voice(seconds, path.seed)
+        room = Room(speech, path, np.zeros(0), 0.0, yields=False, beside=beside)
+        happened = listen_in(room, "cancel", NoWords(), open_stop_spotter(locate(ENCODER)))
+        counts.update(
+            held=len(happened.held_s),
+            interrupted=len(happened.interrupted_s),
+            stopped=len(happened.stopped_s),
+        )
+    minutes = seconds * len(ITS_OWN) * len(PATHS) / 60
+    for name, what in (
+        ("held", "it pauses to listen"),
+        ("interrupted", "it falls silent for more than a second of voice"),
+        ("stopped", "it stops"),
+    ):
+        yield Figure(
+            id=f"over.{name}", table=OVER, what=f"{what}, in {minutes:.0f} min",
+            value=counts[name], unit="times", wanted=0,
+        )  # fmt: skip
+
+
+def _of_speech(number: int) -> Iterator[Figure]:
+    """What becomes of a command, beside each sound."""
+    fates = {kind: Counter[str]() for kind in ITS_OWN}
+    late_s = {kind: list[float]() for kind in ITS_OWN}
+    said = itertools.product(kokoro_voices(Half.HELD_OUT)[:number], COMMANDS)
+    for seed, (voice, text) in enumerate(said):
+        response = room_of(RT60_S, Half.HELD_OUT, seed).response()
+        margins = (int(BEFORE_S * RATE_HZ), int(AFTER_S * RATE_HZ))
+        spoken = np.pad(in_room(say(voice, text), response), margins)
+        quiet = utterances(at_level(spoken, LEVELS_DB["as loud as a voice"]))[-1]
+        for kind in ITS_OWN:
+            beside = noise(kind, spoken.size / RATE_HZ + 0.1, seed, Half.HELD_OUT)
+            sound = at_level(mixed(spoken, beside, 0.0), LEVELS_DB["as loud as a voice"])
+            fate, after_s = _fate(quiet, utterances(sound))
+            fates[kind][fate] += 1
+            late_s[kind] += after_s
+    for kind, each in fates.items():
+        for fate in ("on time", "late", "cut", "not heard"):
+            yield Figure.share(
+                f"speech.{kind}.{fate.replace(' ', '_')}", SPEECH, kind, each[fate], each.total(),
+                column=fate, more_is_better=fate == "on time",
+                wanted={"late": 2.0, "cut": 5.0}.get(fate),
+            )  # fmt: skip
+        yield Figure.of(
+            f"speech.{kind}.after",
+            SPEECH,
+            kind,
+            late_s[kind],
+            "s",
+            column="its end, after that in quiet",
+        )
+
+
+def _fate(quiet: Utterance, found: Sequence[Utterance]) -> tuple[str, list[float]]:
+    its = [one for one in found if one.began_s < quiet.ended_s and one.ended_s > quiet.began_s]
+    if not its:
+        return "not heard", []
+    late_s = its[-1].over_s - quiet.over_s
+    after_s = [late_s] if np.isfinite(late_s) else []
+    if late_s > LATE_S:
+        return "late", after_s
+    return "cut" if late_s < -CUT_S or len(its) > 1 else "on time", after_s
