@@ -24,6 +24,8 @@ STATE = "state"
 """The first argument that exports or imports what a robot keeps instead."""
 WYOMING = "wyoming"
 """The first argument that offers hearing and voices to others instead."""
+VOICEPRINT = "voiceprint"
+"""The first argument that enrols and forgets people's voices instead."""
 OF_ROBOTS = FOR_BODIES | {
     "frame_prefix",
     "odom_frame",
@@ -51,6 +53,10 @@ def main(argv: Sequence[str] | None = None) -> int:
         from edgevox.apps.wyoming import main as wyoming
 
         return wyoming(given[1:])
+    if given[:1] == [VOICEPRINT]:
+        from edgevox.apps.voiceprint import main as voiceprint
+
+        return voiceprint(given[1:])
     if given[:1] == [INTERFACES]:
         from edgevox.apps.interfaces import main as interfaces
 
@@ -89,6 +95,7 @@ def _parser() -> argparse.ArgumentParser:
         description="A voice agent to talk to. edgevox-agent is one with a robot's body;"
         " edgevox listen shows what a microphone hears; edgevox doctor checks this machine;"
         " edgevox interfaces builds a robot's ROS 2 interfaces;"
+        " edgevox voiceprint enrols people by their voice;"
         " edgevox state moves what a robot keeps to another computer; edgevox wyoming offers"
         " hearing and voices to Home Assistant; edgevox completion prints the completion for a"
         " shell.",

@@ -61,6 +61,11 @@ def places_folder(settings: Settings, environment: Mapping[str, str] = os.enviro
     return _state(environment)
 
 
+def voiceprints_folder(environment: Mapping[str, str] = os.environ) -> Path:
+    """The folder of the voice prints of people: one of EdgeVox's among the user's state."""
+    return _state(environment) / "voiceprints"
+
+
 def _state(environment: Mapping[str, str]) -> Path:
     home = Path(environment.get("HOME") or "~").expanduser()
     return Path(environment.get("XDG_STATE_HOME") or home / ".local" / "state") / "edgevox"

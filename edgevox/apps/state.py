@@ -1,8 +1,9 @@
 """`edgevox state`: move what a robot was taught, and who may open its console, to another computer.
 
 One archive has the remembered places, and the console's certificate, key and paired browsers. It
-has no recordings, which are large, and none of the site's own files (policy, robot, security),
-which are where the site keeps them. **It contains keys**: whoever has it can command the robot.
+has no recordings, which are large, no voice prints, which are people's own, and none of the site's
+own files (policy, robot, security), which are where the site keeps them. **It contains keys**:
+whoever has it can command the robot.
 """
 
 import argparse
@@ -20,7 +21,12 @@ from pathlib import Path, PurePosixPath
 from typing import BinaryIO
 
 from edgevox import __version__
-from edgevox.apps.folders import console_folder, places_folder, recordings_folder
+from edgevox.apps.folders import (
+    console_folder,
+    places_folder,
+    recordings_folder,
+    voiceprints_folder,
+)
 from edgevox.apps.streams import show, with_streams
 from edgevox.core.errors import EdgeVoxError
 from edgevox.core.files.state_files import PRIVATE, write_atomically
@@ -127,7 +133,7 @@ def _check_about(text: str) -> None:
 
 def _files(folders: Mapping[str, Path], without: Path) -> Iterator[tuple[str, Path]]:
     """All files, with their names in an archive; one folder may be in another."""
-    apart = {*folders.values(), without}
+    apart = {*folders.values(), without, voiceprints_folder()}
     for part, top in folders.items():
         for folder, inner, names in os.walk(top):
             inner[:] = [one for one in sorted(inner) if Path(folder, one) not in apart]

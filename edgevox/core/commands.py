@@ -9,9 +9,12 @@ from edgevox.core.events import Cause
 
 
 class Way(StrEnum):
-    """A way in. A page in the browser has one for each role."""
+    """A way in. A page in the browser has one for each role, and so has speech: a guest is a person
+    whose voice is not enrolled, where voice prints are in use.
+    """
 
     VOICE = "voice"
+    VOICE_GUEST = "voice_guest"
     TYPED = "typed"
     TEXT_INPUT = "text_input"
     COMMAND = "command"
@@ -26,7 +29,13 @@ class Way(StrEnum):
         """True if the way has a person whom the robot can ask back, in words."""
         return self not in _UNATTENDED
 
+    @property
+    def spoken(self) -> bool:
+        """True if the words were heard, and so may have been misheard."""
+        return self in _SPOKEN
 
+
+_SPOKEN = frozenset({Way.VOICE, Way.VOICE_GUEST})
 _UNATTENDED = frozenset({Way.COMMAND, Way.ACTION, Way.GOAL_POSE, Way.CMD_VEL})
 
 

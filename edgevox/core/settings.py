@@ -281,6 +281,11 @@ class Settings(BaseSettings):
         description="seconds after a spoken answer in which the same person may go on without"
         " the wake word; 0: never, not even to answer a question of the robot",
     )
+    voiceprints: bool = Field(
+        False,
+        description="tell the people who were enrolled with `edgevox voiceprint` from guests by"
+        " their voice, for the policy; no lock",
+    )
     keep_audio: Path | None = Field(
         None,
         description="folder for the last 200 utterances as WAV files, with what was"

@@ -36,7 +36,7 @@ from edgevox.voice.echo.gate import Unechoed
 from edgevox.voice.echo.played import PlayedSound
 from edgevox.voice.stop_spotter.detector import StopDetector, StopWatch
 from edgevox.voice.stt.speech_to_text import SpeechToText
-from edgevox.voice.transcriber import Transcriber, TranscriptionJob
+from edgevox.voice.transcriber import KnownVoice, Transcriber, TranscriptionJob
 from edgevox.voice.utterance_end import (
     ENDS_AFTER_S,
     VOICED,
@@ -110,6 +110,7 @@ class Listener:
         is_stop: Whether these words stop the robot.
         follow_up: Tells which words count without the wake word, shortly after the robot spoke, if
             they are as loud as the words before. None if only stop words do.
+        known: Whether a voice is that of a person who was enrolled; None takes all for such.
         stop_detector: Spots stop words in the sound, before the utterance ends.
         saying: What the robot says now, so that it does not stop itself.
         ending: Judges by its words whether an utterance is complete. None, in a file, and where the
@@ -136,6 +137,7 @@ class Listener:
         is_stop: Callable[[str], bool] = lambda _: False,
         stop_stt: SpeechToText | None = None,
         follow_up: FollowUp | None = None,
+        known: KnownVoice | None = None,
         stop_detector: StopDetector | None = None,
         saying: Callable[[], str] = lambda: "",
         ending: Callable[[str], Ending] | None = None,
@@ -167,6 +169,7 @@ class Listener:
             ending=ending or (lambda _: Ending.OPEN),
             stop_stt=stop_stt,
             follow_up=follow_up,
+            known=known,
         )
         self._follow_up = follow_up
         self._person_db: float | None = None

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 from edgevox.core.clock import Clock
-from edgevox.core.commands import Heard, Transcribing
+from edgevox.core.commands import Heard, Transcribing, Way
 from edgevox.core.errors import EdgeVoxError
 from edgevox.core.log import get_logger
 from edgevox.core.speech import Ending, FollowUp
@@ -22,6 +22,10 @@ MAX_WAITING = 8
 MAY_STOP = 0.25
 """The share from which on a hypothesis that is a stop counts as said. A stop that one of two
 hearings is sure of has half; of 692 utterances without one, none had so much."""
+
+
+KnownVoice = Callable[[Samples, float], bool]
+"""Whether some speech, until a time of the clock, is that of a person who was enrolled."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,6 +57,7 @@ class _Words:
     ended_s: float
     language: str
     took_s: float
+    way: Way
     ending: Ending = Ending.OPEN
 
 
@@ -63,7 +68,8 @@ class Transcriber:
     are ready by then. An unaddressed job submits `Heard` alone, and only if `is_stop` finds a stop
     word or `follow_up` takes it; if a stop word was spotted by its sound, then without words if
     neither does. `submit` must not raise. `stop_stt` transcribes these jobs, by default as all
-    others: what may not be for the robot need not leave it.
+    others: what may not be for the robot need not leave it. `known` must not raise; without it
+    every voice is known.
     """
 
     def __init__(
@@ -77,7 +83,9 @@ class Transcriber:
         ending: Callable[[str], Ending] = lambda _: Ending.OPEN,
         stop_stt: SpeechToText | None = None,
         follow_up: FollowUp | None = None,
+        known: KnownVoice | None = None,
     ) -> None:
+        self._known = known
         self._stt = stt
         self._stop_stt = stop_stt or stt
         self._submit = submit
@@ -199,6 +207,7 @@ class Transcriber:
                 told.text,
                 job.ended_s,
                 words.took_s,
+                way=words.way,
                 spotted=job.spotted,
                 confidence=told.confidence,
                 others=told.others,
@@ -225,9 +234,11 @@ class Transcriber:
         """Transcribe the job and measure how long it takes."""
         began_s, language = self._clock.now(), self._language()
         said = self._transcribe(job, language)
+        known = self._known is None or self._known(job.samples, job.ended_s)
         took_s = self._clock.now() - began_s
         self.last = (took_s, job.samples.size / RATE_HZ)
-        return _Words(said, job.ended_s, language, took_s)
+        way = Way.VOICE if known else Way.VOICE_GUEST
+        return _Words(said, job.ended_s, language, took_s, way)
 
     def _transcribe(self, job: TranscriptionJob, language: str) -> Transcript:
         """The words; none if they could not be understood, which is logged."""

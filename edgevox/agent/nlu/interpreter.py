@@ -39,7 +39,7 @@ from edgevox.agent.turn import Turn
 from edgevox.core.agent_events import HandedOver
 from edgevox.core.bus import Bus
 from edgevox.core.clock import Clock
-from edgevox.core.commands import Way, as_hypotheses
+from edgevox.core.commands import as_hypotheses
 from edgevox.core.events import Outcome
 from edgevox.core.log import get_logger
 
@@ -244,7 +244,7 @@ class Interpreter:
         None for typed words, and for words that deny, tell or put off something, where the command
         does not.
         """
-        if turn.way is not Way.VOICE:
+        if not turn.way.spoken:
             return None
         several = as_hypotheses(text, turn.hearing, turn.others)
         for agent in self._active_first():

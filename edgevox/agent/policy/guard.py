@@ -334,7 +334,8 @@ def _way(file: PolicyFile, way: Way) -> str:
 
 def _skills(file: PolicyFile, way: Way) -> set[str]:
     """Names of the skills in the entries for this way."""
-    return {name for one in (way.value, ANY) for name in file.of_way(one)} - {ANY}
+    ways = (way, Way.VOICE, ANY) if way is Way.VOICE_GUEST else (way, ANY)
+    return {name for one in ways for name in file.of_way(one)} - {ANY}
 
 
 def _exceptions(rules: Mapping[str, Rule], way: Way) -> Iterator[str]:

@@ -67,6 +67,7 @@ MOST_SKILLS = 200
 WayName = Literal[
     "*",
     "voice",
+    "voice_guest",
     "typed",
     "text_input",
     "command",
@@ -101,7 +102,8 @@ class PolicyFile(PolicyPart):
         default_factory=dict,
         description="by way in and skill: allow, confirm or deny; a single word applies to every "
         "skill. The skill under its way comes first; then the stricter of the way's `*` and the "
-        "skill under `*`; then `*` under `*`; all other skills are allowed",
+        "skill under `*`; then `*` under `*`; all other skills are allowed. For "
+        "voice_guest the stricter of its own rule and of voice's",
     )
     limits: PolicyLimits = Field(
         default_factory=PolicyLimits, description="limits for all motion, from every way in"
@@ -117,7 +119,11 @@ class PolicyFile(PolicyPart):
         return next((entry for name, entry in self.rules.items() if name == way), {})
 
     def rule(self, way: str, skill: str) -> Rule:
-        """The rule for a skill that is asked for by this way."""
+        """The rule for a skill that is asked for by this way; a guest's is never milder."""
+        if way == Way.VOICE_GUEST:
+            guests, spoken = self.of_way(way), self.rule(Way.VOICE, skill)
+            word = _entry(guests, skill) or guests.get(ANY)
+            return max(Rule(word), spoken, key=list(Rule).index) if word else spoken
         own, every = self.of_way(way), self.of_way(ANY)
         if found := _entry(own, skill):
             return Rule(found)
@@ -203,7 +209,9 @@ class Policy:
             return ALLOWED
         rule = self.file.rule(way, skill)
         if rule is Rule.DENY:
-            return Verdict(rule, because("policy_denied", way=way, skill=skill))
+            known = way is Way.VOICE_GUEST and self.file.rule(Way.VOICE, skill) is not rule
+            code = "policy_guest" if known else "policy_denied"
+            return Verdict(rule, because(code, way=way, skill=skill))
         if moves:
             limits = self.file.limits
             reason = limits.closed(now or local_time()) or limits.against(

@@ -178,6 +178,7 @@ def build_parts(stack: ExitStack, settings: Settings, body: Body | None) -> Agen
             is_stop=conversation.is_stop,
             follow_up=conversation.follow_ups,
             ending=endings(conversation).of,
+            guard=guard,
         )
         if voice
         else None

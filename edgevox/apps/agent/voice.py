@@ -14,10 +14,12 @@ from edgevox.agent.conversation import Conversation
 from edgevox.agent.nlu.hearing.endings import Endings
 from edgevox.agent.nlu.hearing.prompt import HearingPrompts
 from edgevox.agent.phrases.load import phrasebook
+from edgevox.agent.policy import Guard
 from edgevox.agent.skills import Skill, SkillSet
 from edgevox.apps.agent.queries import Info, present_voices, tts_info
+from edgevox.apps.folders import voiceprints_folder
 from edgevox.core.bus import Bus
-from edgevox.core.commands import Command, Speak
+from edgevox.core.commands import Command, Speak, Way
 from edgevox.core.controls import Controls
 from edgevox.core.errors import InvalidValue
 from edgevox.core.events import ControlChanged
@@ -44,8 +46,11 @@ from edgevox.voice.stop_spotter.spotter import open_stop_spotter
 from edgevox.voice.stt.kept import MOST_BYTES, MOST_UTTERANCES, KeepingSpeechToText, KeptAudio
 from edgevox.voice.stt.speech_to_text import SpeechToText, WatchedSpeechToText
 from edgevox.voice.stt.whisper import Whisper
+from edgevox.voice.transcriber import KnownVoice
 from edgevox.voice.tts.voices import VoicePool
 from edgevox.voice.vad import open_vad
+from edgevox.voice.voiceprint import ENCODER as VOICE_ENCODER
+from edgevox.voice.voiceprint import KnownVoices, VoiceEncoder, VoicePrints
 from edgevox.voice.word_detection import WakeDetector
 
 if TYPE_CHECKING:
@@ -70,6 +75,20 @@ def open_stop_detector(settings: Settings) -> StopDetector | None:
         log.warning("stop_spotter_missing", reason=str(error))
         return None
     return spotter
+
+
+def open_known_voices(settings: Settings, guard: Guard) -> KnownVoice:
+    """Open what tells people who were enrolled from guests.
+
+    Without the setting all are guests to a policy that has rules for guests, and to no other.
+    Raises `ModelMissing`.
+    """
+    if not settings.voiceprints:
+        return lambda _sound, _ended_s: not guard.policy.file.of_way(Way.VOICE_GUEST)
+    prints = VoicePrints(voiceprints_folder())
+    known = KnownVoices(VoiceEncoder(locate(VOICE_ENCODER)), prints)
+    log.info("voiceprints_in_use", people=len(prints.read()))
+    return lambda sound, ended_s: bool(known.who(sound, ended_s))
 
 
 MICRO = "micro-wake-words"
@@ -314,6 +333,7 @@ def build_listener(
     is_stop: Callable[[str], bool],
     follow_up: FollowUp,
     ending: Callable[[str], Ending],
+    guard: Guard,
 ) -> Listener:
     """Build the listener, not started; its commands go to `submit`.
 
@@ -335,6 +355,7 @@ def build_listener(
         is_stop=is_stop,
         stop_stt=voice.hearing.stop_stt,
         follow_up=follow_up,
+        known=open_known_voices(settings, guard),
         stop_detector=open_stop_detector(settings),
         ending=ending,
         saying=voice.speech_output.saying,

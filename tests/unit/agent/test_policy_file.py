@@ -40,7 +40,10 @@ def rules(text):
 def test_all_there_is_can_be_read_and_says_what_it_permits():
     said = explain(parse_policy(WHOLE, "whole.yaml"))
     assert said == [
-        "voice: every skill is done, but grasp is done after a yes; navigate_xy is refused",
+        *(
+            f"{way}: every skill is done, but grasp is done after a yes; navigate_xy is refused"
+            for way in ["voice", "voice_guest"]
+        ),
         *(
             f"{way}: every skill is done, but grasp is done after a yes"
             for way in ["typed", "text_input"]

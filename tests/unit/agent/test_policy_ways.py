@@ -17,7 +17,15 @@ SKILLS = ("navigate_to", "stop", "get_pose")
 DRIVE = ("navigate_to", {"room": "kitchen"})
 DENIED = "I cannot do that: I am not permitted to do that."
 UNSURE = "I cannot do that: somebody has to say yes to that first."
-CODES = ("policy_denied", "policy_hours", "policy_place", "policy_nowhere", "policy_area")
+UNKNOWN_VOICE = "I cannot do that: I only do that for people whose voice I know."
+CODES = (
+    "policy_denied",
+    "policy_guest",
+    "policy_hours",
+    "policy_place",
+    "policy_nowhere",
+    "policy_area",
+)
 CODES += ("policy_distance", "policy_lost", "needs_confirmation", "needs_a_person")
 VALUES = {"policy_place": {"place": "kitchen"}, "policy_distance": {"most": "5"}}
 
@@ -63,11 +71,12 @@ IN_WORDS = {
     Way.CONSOLE_VIEWER: TextInput("go to the kitchen", Way.CONSOLE_VIEWER),
     Way.CONSOLE_OPERATOR: TextInput("go to the kitchen", Way.CONSOLE_OPERATOR),
 }
+GUEST = Heard("go to the kitchen", 0.0, way=Way.VOICE_GUEST)
 OF_PROGRAMS = (Way.ACTION, Way.GOAL_POSE)
 
 
 def test_every_way_but_velocities_is_one_that_is_tried_here():
-    assert {*IN_WORDS, *OF_PROGRAMS, Way.CMD_VEL} == set(Way)
+    assert {*IN_WORDS, GUEST.way, *OF_PROGRAMS, Way.CMD_VEL} == set(Way)
 
 
 @pytest.mark.parametrize("way", IN_WORDS)
@@ -85,6 +94,33 @@ def test_a_sentence_of_every_other_way_is_done(rig, way):
     rig.under(f"rules: {{{others}}}")
     rig.drives(IN_WORDS[way])
     assert rig.guard.refusals == {}
+
+
+def test_a_guest_is_told_that_only_known_voices_may_ask_for_it(rig):
+    rig.under("rules: {voice_guest: {navigate_to: deny}}")
+    assert rig.submit(GUEST) == UNKNOWN_VOICE
+    assert rig.rejected == [("voice_guest", "navigate_to", "policy_guest", True)]
+    rig.drives(IN_WORDS[Way.VOICE])
+
+
+@pytest.mark.parametrize(
+    "rules", ["voice: deny", "voice: deny, voice_guest: allow", "'*': deny, voice_guest: {}"]
+)
+def test_a_guest_may_never_do_more_than_a_known_voice(rig, rules):
+    rig.under(f"rules: {{{rules}}}")
+    assert rig.submit(GUEST) == DENIED
+
+
+def test_without_rules_for_guests_a_guest_is_as_any_voice(rig):
+    rig.under("rules: {'*': {navigate_to: deny}, voice: {navigate_to: allow}}")
+    rig.drives(GUEST)
+
+
+def test_a_guests_yes_does_not_answer_for_a_known_voice(rig):
+    rig.under("rules: {voice: confirm, voice_guest: deny}")
+    assert rig.submit(IN_WORDS[Way.VOICE]) == QUESTION
+    assert rig.submit(Heard("yes", 0.0, way=Way.VOICE_GUEST)) == UNKNOWN_VOICE
+    assert rig.body.sent == []
 
 
 @pytest.mark.parametrize("way", OF_PROGRAMS)
@@ -159,13 +195,15 @@ def test_of_several_orders_none_is_done_if_one_is_refused(rig):
     [
         TextInput("stop"),
         Heard("stop", 0.0),
+        Heard("stop", 0.0, way=Way.VOICE_GUEST),
+        Heard("", 0.0, way=Way.VOICE_GUEST, spotted=True),
         TextInput("stop", Way.CONSOLE_VIEWER),
         Interrupt(),
         Reset(),
         RunSkill("stop", {}),
         TextInput("hold your position"),
     ],
-    ids=["text", "voice", "console", "interrupt", "reset", "skill", "sentence"],
+    ids=["text", "voice", "guest", "spotted", "console", "interrupt", "reset", "skill", "sentence"],
 )
 def test_a_stop_is_never_refused(rig, command):
     rig.start_goal(*DRIVE)
