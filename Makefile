@@ -13,7 +13,7 @@ SECONDS ?= 60
 SECURE_DDS ?= $(wildcard ../shared/secure-dds)
 IMAGE ?= $(or $(EDGEVOX_IMAGE),edgevox-ros2:local)
 MODELS ?=
-TEST_MODELS ?= small quality smoke world robots openwakeword
+TEST_MODELS ?= small quality smoke world robots openwakeword voiceprints
 
 VENV := .venv
 BIN := $(VENV)/bin
@@ -154,10 +154,11 @@ bench: $(DONE)/dev $(DONE)/msgs $(DONE)/llama-cpp ## Measure everything, in hour
 	$(BIN)/python -m benchmarks.core.render write && exit $$code
 
 .PHONY: people
-people: $(DONE)/dev $(DONE)/msgs ## Measure hearing on real people; PEOPLE=... is the folder of their recordings.
+people: $(DONE)/dev $(DONE)/msgs ## Measure hearing, and who speaks, on real people; PEOPLE=... is the folder of their recordings.
 	@$(if $(PEOPLE),,echo "make people: PEOPLE names no folder of recordings" >&2; exit 2)
 	@$(BIN)/edgevox-models fetch $(TEST_MODELS)
 	@EDGEVOX_PEOPLE=$(abspath $(PEOPLE)) $(BIN)/python -m benchmarks.hearing.people $(ARGS)
+	@EDGEVOX_PEOPLE=$(abspath $(PEOPLE)) $(BIN)/python -m benchmarks.hearing.voiceprints $(ARGS)
 
 .PHONY: image
 image: ## Build the container's image; where no registry is reached, its base too (as root).

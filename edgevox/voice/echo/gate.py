@@ -146,6 +146,9 @@ class Unechoed:
     """True if some of the robot's own voice may be left in all three forms."""
     somebody: bool = False
     """With `cancelled`: whether a voice in `words` is a person's and not the robot's."""
+    suppressed: Samples | None = None
+    """With `cancelled`: what the canceller leaves that suppresses most, which holds some of every
+    person's voice."""
 
 
 class EchoFilter(Protocol):

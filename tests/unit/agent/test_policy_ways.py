@@ -119,7 +119,7 @@ def test_without_rules_for_guests_a_guest_is_as_any_voice(rig):
 def test_a_guests_yes_does_not_answer_for_a_known_voice(rig):
     rig.under("rules: {voice: confirm, voice_guest: deny}")
     assert rig.submit(IN_WORDS[Way.VOICE]) == QUESTION
-    assert rig.submit(Heard("yes", 0.0, way=Way.VOICE_GUEST)) == UNKNOWN_VOICE
+    assert rig.submit(TextInput("yes", Way.VOICE_GUEST)) == UNKNOWN_VOICE
     assert rig.body.sent == []
 
 
@@ -196,14 +196,13 @@ def test_of_several_orders_none_is_done_if_one_is_refused(rig):
         TextInput("stop"),
         Heard("stop", 0.0),
         Heard("stop", 0.0, way=Way.VOICE_GUEST),
-        Heard("", 0.0, way=Way.VOICE_GUEST, spotted=True),
         TextInput("stop", Way.CONSOLE_VIEWER),
         Interrupt(),
         Reset(),
         RunSkill("stop", {}),
         TextInput("hold your position"),
     ],
-    ids=["text", "voice", "guest", "spotted", "console", "interrupt", "reset", "skill", "sentence"],
+    ids=["text", "voice", "guest", "console", "interrupt", "reset", "skill", "sentence"],
 )
 def test_a_stop_is_never_refused(rig, command):
     rig.start_goal(*DRIVE)

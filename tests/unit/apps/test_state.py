@@ -35,7 +35,8 @@ KEPT = {
 
 
 def taught(folder: Path) -> None:
-    for name, text in {**KEPT, "console/recordings/edgevox-1/a.mcap": "large"}.items():
+    left = {"console/recordings/edgevox-1/a.mcap": "large", "voiceprints/anna.json": "[1]\n"}
+    for name, text in {**KEPT, **left}.items():
         (folder / name).parent.mkdir(parents=True, exist_ok=True)
         (folder / name).write_text(text)
 
@@ -48,7 +49,9 @@ def files_of(folder: Path) -> dict[str, str]:
     }
 
 
-def test_a_new_computer_has_what_the_old_one_kept_but_for_recordings(robot, tmp_path) -> None:
+def test_a_new_computer_has_what_the_old_one_kept_but_for_recordings_and_voices(
+    robot, tmp_path
+) -> None:
     taught(robot("old"))
     archive = tmp_path / "robot.tar"
     assert main(["state", "export", str(archive)]) == 0

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from edgevox.voice.audio import FRAME_SAMPLES
-from edgevox.voice.echo.canceller import FoundVoice, VoiceOverEcho
+from edgevox.voice.echo.canceller import HINTED_FRAMES, FoundVoice, VoiceOverEcho
 from edgevox.voice.echo.gate import Unechoed
 
 
@@ -60,12 +60,23 @@ def test_a_voice_in_what_is_left_is_surmised_until_it_is_known_to_be_somebodys(v
     )
 
 
+def test_a_voice_that_the_suppressed_sound_never_hints_at_is_the_robots_own_beside_a_motor(voices):
+    def heard(suppressed):
+        return voices.of(
+            sound(90, 90, cancelled=True, somebody=True, suppressed=frame(suppressed))
+        ).probability
+
+    assert [heard(2), heard(9)] == [0.02, 0.09]
+    assert heard(10) == 0.9
+    assert [heard(0) for _ in range(HINTED_FRAMES)] == [0.9] * (HINTED_FRAMES - 1) + [0.0]
+
+
 def test_the_second_detector_begins_anew_after_frames_that_it_did_not_hear(voices, ears):
     for cancelled in (True, True, False, True):
         voices.of(sound(0, 0, cancelled=cancelled))
     voices.reset()
     voices.of(sound(0, 0, cancelled=True))
 
-    (second,) = ears.others
+    second, _ = ears.others
     assert second.resets == 3
     assert ears.resets == 1
