@@ -41,13 +41,13 @@ ALONE, OVER = "Its own motors alone", "Its own motors, while it speaks"
 SPEECH = "Speech over its own motors, at 0 dB"
 LEVELS_DB = {"as loud as a voice": -26.0, "12 dB louder": -14.0}
 ALONE_S, PIECE_S = 3600.0, 30.0
-OVER_S = 20.0
+OVER_S = 15.0
 """Of each sound in each way."""
 COMMANDS = (
     "Go to the kitchen.", "Turn left.", "Where are you?", "Stop!", "Walk forward one metre.",
     "What is your battery level?",
 )  # fmt: skip
-VOICES, RT60_S, BEFORE_S, AFTER_S = 6, 0.4, 4.0, 4.0
+VOICES, RT60_S, BEFORE_S, AFTER_S = 4, 0.4, 4.0, 4.0
 CUT_S, LATE_S = 0.3, 0.5
 
 
