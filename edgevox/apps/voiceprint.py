@@ -24,7 +24,7 @@ OK, FAILED = 0, 1
 READ_S = 1.0
 SAY = (
     "Please go to the kitchen and look whether the window is open.",
-    "I would like you to come back here in ten minutes.",
+    "Could you come back here in ten minutes and wait at the door?",
     "Tell me what you can see on the table in the living room.",
 )
 """Long enough, and with many sounds; any other sentences will do."""
