@@ -161,7 +161,14 @@ def test_of_several_calls_a_denied_one_counts_before_one_that_needs_a_yes(file):
 @pytest.mark.parametrize("way", Way)
 def test_what_needs_a_yes_is_a_question_only_where_somebody_can_answer(file, way):
     file.write_text("rules: {'*': confirm}")
-    asks = way in {Way.VOICE, Way.TYPED, Way.TEXT_INPUT, Way.CONSOLE_VIEWER, Way.CONSOLE_OPERATOR}
+    asks = way in {
+        Way.VOICE,
+        Way.VOICE_GUEST,
+        Way.TYPED,
+        Way.TEXT_INPUT,
+        Way.CONSOLE_VIEWER,
+        Way.CONSOLE_OPERATOR,
+    }
     assert way.attended is asks
     assert code(Guard(file), way) == ("needs_confirmation" if asks else "needs_a_person")
 
