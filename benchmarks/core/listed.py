@@ -101,6 +101,10 @@ BENCHMARKS: Mapping[str, Benchmark] = {
         "what becomes of what strangers say, and whether anything moves that should not",
         "measure",
     ),
+    "voiceprints": Benchmark(
+        "benchmarks.hearing.voiceprints",
+        "real people told by their voice, in quiet and in noise; needs their recordings",
+    ),
     "people_words": Benchmark(
         "benchmarks.agent.people_words",
         "what people said to robots in their own words; needs their sentences",

@@ -7,7 +7,7 @@ The half of the speakers that is held out is reported; the product's threshold w
 other (`--tuning`).
 
 **Who speaks is a label that another encoder gave these recordings**, not a name, so the figures in
-quiet flatter. The program prints them; they are on no page.
+quiet flatter.
 """
 
 import argparse
