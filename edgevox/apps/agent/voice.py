@@ -129,9 +129,10 @@ def open_wakeword(settings: Settings) -> WakeDetector | None:
 
 
 def needed_models(settings: Settings) -> tuple[str, ...]:
-    """The ids of the models that the wake word needs."""
+    """The ids of the models that the wake word and voice prints need."""
     own = not settings.wakeword or own_file(settings)
-    return () if own else (MODELS[settings.wakeword_engine],)
+    prints = (VOICE_ENCODER,) if settings.voiceprints else ()
+    return prints if own else (MODELS[settings.wakeword_engine], *prints)
 
 
 def phrases(engine: str) -> list[str]:
