@@ -6,8 +6,8 @@ speakers are guests'. At the equal error as many of the one are refused as of th
 The half of the speakers that is held out is reported; the product's threshold was chosen with the
 other (`--tuning`).
 
-**Who speaks is a label that another encoder gave these recordings**, not a name, so the figures in
-quiet flatter.
+**Who speaks is a label that a speaker encoder gave these recordings**, not a name, so the figures
+flatter.
 """
 
 import argparse
