@@ -30,8 +30,8 @@ def motors(kind, samples, seed, level=LEVEL):
 
 
 @pytest.mark.parametrize("kind", ITS_OWN)
-def test_alone_they_are_no_utterance(kind):
-    assert over_at(motors(kind, 20 * RATE_HZ, 1, 4 * LEVEL)) == []
+def test_a_robot_that_begins_to_move_hears_no_utterance(kind):
+    assert over_at(in_a_room(motors(kind, 20 * RATE_HZ, 1, 4 * LEVEL))) == []
 
 
 @pytest.mark.parametrize("kind", ["steps", "fans"])
