@@ -5,7 +5,8 @@ the servos of an arm, a humanoid's steps, and fans. Nothing was trained or tuned
 they are as loud as a voice at -26 dB of full scale, and 12 dB louder, as at a microphone on the
 chassis. They are heard in one go, wheels first: a voice detector that was opened a moment ago takes
 servos at the louder level for a short utterance, about once in its first ten seconds of them, and
-then no more. What is taken for an utterance then goes to Whisper and the interpreter, as in the product.
+then no more. What is taken for an utterance then goes to Whisper and the interpreter, as in the
+product.
 
 Beside the robot's own voice, in the six ways of `duplex` from loudspeaker to microphone, they are
 as loud as the person there. In the last part a person says commands at 0 dB, in a room. What was
