@@ -8,28 +8,26 @@ the skills. It reads an answer or a correction ("no, the bedroom") before any ot
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from edgevox.agent.agents import Agent
-from edgevox.agent.dialogue.acts import Answer, Answers, correct, denies
+from edgevox.agent.dialogue.acts import Answer, Answers
+from edgevox.agent.dialogue.corrections import Corrections, Instead
 from edgevox.agent.dialogue.memory import DriveCall, LastDrive
 from edgevox.agent.dialogue.question import OpenQuestion, Question
-from edgevox.agent.dialogue.skills import OTHER, DialogueSkills
+from edgevox.agent.dialogue.skills import DOING, OTHER, DialogueSkills
 from edgevox.agent.goals.executor import SkillExecutor
 from edgevox.agent.goals.goal import Goal
 from edgevox.agent.nlu.disfluencies import is_back_channel
 from edgevox.agent.nlu.interpreter import Interpreter
-from edgevox.agent.nlu.meaning import Meaning
+from edgevox.agent.nlu.meaning import ASK_FROM, Meaning
 from edgevox.agent.nlu.templates import RefusedCommand
-from edgevox.agent.phrases.phrasebook import Phrasebook
 from edgevox.agent.policy import NeedsConfirmation
 from edgevox.agent.programs.keeper import Programs
 from edgevox.agent.programs.questions import ProgramQuestions
 from edgevox.agent.skills import STOP, Call, Skill
-from edgevox.agent.stop.words import find_stop_word
+from edgevox.agent.stop.words import denies_stop
 from edgevox.agent.text.words import continued
 from edgevox.agent.turn import Turn
 from edgevox.core.agent_events import ConfirmationStatus
 from edgevox.core.events import Outcome
-from edgevox.core.languages import LANGUAGES, STOP_WORDS
 from edgevox.core.settings import Confirm
 
 
@@ -146,9 +144,6 @@ def _is_asked_about(one: Skill) -> bool:
     return one.drives or one.lasting or one.confirm
 
 
-_First = tuple[Agent, Sequence[Call], Call]
-"""What a correction changes: an agent, its calls, and the one of them that drives."""
-
 WHETHER_IN, WHERE = "are_you_in", "get_pose"
 """The question whether the robot is in a place, and the one that is asked with two places."""
 
@@ -181,11 +176,15 @@ class Asking:
         self._performer = performer
         self._dialogue_skills = dialogue_skills
         self._last = performer.last
-        self._answers = _answers(interpreter.phrases)
+        self._corrections = Corrections(interpreter, question, performer.last)
 
     def set_language(self) -> None:
         """Read answers in the interpreter's language from now on."""
-        self._answers = _answers(self._interpreter.phrases)
+        self._corrections.set_language()
+
+    @property
+    def _answers(self) -> Answers:
+        return self._corrections.answers
 
     def forget(self) -> None:
         """Forget the last drive, so that nothing is left to correct."""
@@ -198,7 +197,7 @@ class Asking:
             return True
         if answer is Answer.NO and (self.question.asked or self._performer.moving):
             return True
-        if self._correction(text) or (self._performer.moving and self._denies_drive(text)):
+        if self._corrections.of(text) or self._corrections.denies(text):
             return True
         plain = self._interpreter.plain(text)
         return isinstance(plain, Meaning) and plain.sure
@@ -218,63 +217,141 @@ class Asking:
         self.question.expire()
         if choice := self._chosen(text):
             return self._carried_out(choice, turn, said_s)
+        if denies_stop(self._interpreter.phrases.code, text):
+            return self._tell_doing(turn)
         answer = self._answers.read(text)
+        if answer is None and self.question.asked and self._corrections.denies(text):
+            answer = Answer.NO
         denied = self._denied(text, answer)
         if denied is None and answer and self._counts(answer, text):
             return self._answered(answer, turn, said_s)
-        meaning = self._corrected(text)
-        if meaning is None and denied is not None:
+        right = self._corrections.of(text)
+        instead = None if right else self._corrections.instead(text)
+        if instead and (right := self._wanted(instead)) is None:
+            if instead.keeps:
+                return self._kept(turn, said_s)
+            if self._performer.moving:
+                return self._stopped_for(instead.rest, turn)
+            if isinstance(instead.meaning, RefusedCommand):
+                self._refuse(instead.meaning, turn)
+                return None
+        if right:
+            self.question.end(ConfirmationStatus.DECLINED)
+            right = self._dialogue_skills.meant(right, turn)
+            return self._do(right, turn, takes_back=True) if right else None
+        if denied is not None:
             return self._stopped_for(denied, turn)
-        between = None if meaning else self._asked_between(text)
-        if meaning is None:
-            rest = text if between else self._unanswered(text)
-            taken_back = bool(rest) and self._taken_back(rest)
-            if taken_back is True and self._performer.moving:
-                return self._stopped_for("", turn)
-            if not rest or taken_back is True:
-                turn.say(self._interpreter.phrases.say("left_undone"))
-                return None
-            if self._performer.answer(rest, turn):
-                return None
-            if not taken_back and (either := self._either(rest)):
-                return self._do_either(*either, turn)
-            meaning = taken_back or self._interpreter.understand(rest, turn)
-            meaning = self._dialogue_skills.meant(meaning, turn)
+        if between := self._asked_between(text):
+            return self._between(text, between, turn)
+        return self._take_up(text, turn, bare=instead is not None)
+
+    def _wanted(self, instead: Instead) -> Meaning | None:
+        """The plain command in place of what is taken back, unless a stop must come first."""
+        meaning = instead.meaning
+        if not isinstance(meaning, Meaning):
+            return None
+        tells = self._dialogue_skills.only_tells(meaning.calls)
+        return None if tells and instead.ends and self._performer.moving else meaning
+
+    def _kept(self, turn: Turn, said_s: float) -> Meaning | None:
+        """Words want just what was asked about, or what the robot is doing."""
+        if asked := self.question.asked:
+            return self._carried_out(asked.meaning, turn, said_s)
+        return self._tell_doing(turn)
+
+    def _refuse(self, refused: RefusedCommand, turn: Turn) -> None:
+        self.question.end(ConfirmationStatus.DECLINED)
+        turn.say(refused.reason, Outcome.REFUSED, detail=refused.detail)
+
+    def _tell_doing(self, turn: Turn) -> Meaning | None:
+        """Say what the robot is doing, for words that want it to go on."""
+        doing = Meaning(self._interpreter.active, (Call(DOING),), "template")
+        done = self._do(doing, turn)
+        if self.question.asked:
+            self._ask_again(turn)
+        return done
+
+    def _between(self, text: str, question: Question, turn: Turn) -> Meaning | None:
+        """Answer what is asked while a question waits, and ask that again."""
+        meaning = self._dialogue_skills.meant(self._interpreter.understand(text, turn), turn)
+        done = self._do(meaning, turn)
+        if self.question.asked is question:
+            self._ask_again(turn)
+        return done
+
+    def _take_up(self, text: str, turn: Turn, *, bare: bool) -> Meaning | None:
+        """Understand words that answer and correct nothing.
+
+        `bare`: they name what is wanted beside what is not, but no act. Then the robot asks.
+        """
+        rest = self._unanswered(text)
+        taken_back = bool(rest) and self._corrections.taken_back(rest)
+        if taken_back is True and self._performer.moving:
+            return self._stopped_for("", turn)
+        if not rest or taken_back is True:
+            turn.say(self._interpreter.phrases.say("left_undone"))
+            return None
+        if self._performer.answer(rest, turn):
+            return None
+        if not taken_back and (either := self._either(rest)):
+            return self._do_either(*either, turn)
+        meaning = taken_back or self._interpreter.understand(rest, turn)
+        meaning = self._dialogue_skills.meant(meaning, turn)
+        if meaning and bare and not taken_back:
+            meaning = replace(meaning, confidence=min(meaning.confidence, ASK_FROM))
+        return self._do(meaning, turn)
+
+    def _do(
+        self, meaning: Meaning | None, turn: Turn, *, takes_back: bool = False
+    ) -> Meaning | None:
+        """Do what is meant, or ask first; return it if it was done."""
         if meaning is None or turn.token.cancelled:
             return meaning
         turn.decided(meaning.every_call, meaning.source, meaning.measured)
         meaning = self._interpreter.as_heard(meaning, turn)
-        done = self.act(meaning, turn)
-        if between and self.question.asked is between:
-            self._ask_again(turn)
-        return meaning if done else None
+        return meaning if self.act(meaning, turn, takes_back=takes_back) else None
 
-    def act(self, meaning: Meaning, turn: Turn) -> bool:
+    def act(self, meaning: Meaning, turn: Turn, *, takes_back: bool = False) -> bool:
         """Do what is meant, or ask first; always ask if the policy wants a yes.
 
-        Returns False if the robot asked, or wants plainer words.
+        `takes_back`: the words want it in place of the motion that goes on. That then ends, whether
+        or not this can be done at once. Returns False if the robot asked, or wants plainer words.
         """
         try:
             prepared = self._performer.prepare(meaning, turn)
         except NeedsConfirmation:
+            if takes_back:
+                self._halt(turn)
             if prepared := self._performer.prepare(meaning, turn, confirmed=True):
                 self._ask(prepared, turn)
             return False
-        if prepared is None:
-            return True
         plain = meaning.sure and (meaning.source == "template" or not turn.plainly)
         unsure = turn.doubted or not plain
         asks = self.confirm == "always" or (unsure and self.confirm == "unsure")
-        drives = self._performer.drives(prepared)
-        lasts = unsure and self._performer.lasts(prepared)
-        if not (drives or lasts) or not (asks or unsure):
-            self._performer.perform(prepared, turn)
+        drives = prepared is not None and self._performer.drives(prepared)
+        lasts = prepared is not None and unsure and self._performer.lasts(prepared)
+        at_once = prepared is not None and (not (drives or lasts) or not (asks or unsure))
+        if takes_back and not at_once:
+            self._halt(turn)
+        if prepared is None:
             return True
-        if asks:
+        if at_once:
+            self._performer.perform(prepared, turn)
+        elif asks:
             self._ask(prepared, turn)
         else:
             turn.say(self._interpreter.phrases.say("say_plainly"), Outcome.REFUSED)
-        return False
+        return at_once
+
+    def _halt(self, turn: Turn) -> Meaning | None:
+        """Stop what moves the robot, for words that take it back; None if nothing does."""
+        agent = self._interpreter.active
+        if not self._performer.moving or STOP not in agent.every_skill:
+            return None
+        stop = Meaning(agent, (Call(STOP),), "template")
+        turn.decided(stop.calls, stop.source, stop.measured)
+        self.act(stop, turn)
+        return stop
 
     def _ask(self, prepared: Prepared, turn: Turn) -> None:
         text = self._performer.question(prepared)
@@ -375,89 +452,13 @@ class Asking:
         The robot asks before it moves. Words that mean nothing to it are left alone.
         """
         turn.doubted = True
-        for ordered, rest, _ in self._answers.taken_back(before):
-            before = before if rest else ordered  # "go to the kitchen, no"
-        plain = self._interpreter.plain(before) if before else None
-        first = self._one_drive(plain) if isinstance(plain, Meaning) else self._last_drive()
-        meant = self._changed(text, first) if first else None
-        read = meant or self._interpreter.plain(self._answers.after_denial(text) or text)
+        read = self._corrections.after_stop(text, before)
         if isinstance(read, RefusedCommand):
             turn.say(read.reason, Outcome.REFUSED, detail=read.detail)
         if not isinstance(read, Meaning):
             return None
         meaning = self._dialogue_skills.meant(read, turn)
         return meaning if meaning and self.act(meaning, turn) else None
-
-    def _taken_back(self, text: str) -> Meaning | bool:
-        """What a sentence means that takes back its own beginning: "the kitchen, no, the office".
-
-        True if only the beginning can be meant, which nothing is left of; False for any other text.
-        """
-        if self._is_plain(text):
-            return False
-        for before, after, is_no in self._answers.taken_back(text):
-            plain = self._interpreter.plain(before)
-            meant = plain if isinstance(plain, Meaning) else self._taken_back(before)
-            first = self._one_drive(meant) if isinstance(meant, Meaning) else None
-            if first is None:
-                continue
-            right = self._changed(after, first) or self._interpreter.plain(after)
-            if isinstance(right, Meaning):
-                return right
-            if is_no:
-                return True
-        return False
-
-    def _one_drive(self, meaning: Meaning) -> _First | None:
-        """What could be corrected in a meaning; None if not just one of its calls drives."""
-        skills = meaning.agent.every_skill
-        driving = [call for call in meaning.calls if skills[call.skill].drives]
-        return (meaning.agent, meaning.calls, driving[0]) if len(driving) == 1 else None
-
-    def _changed(self, text: str, first: _First, *, taken_back: bool = True) -> Meaning | None:
-        """The calls with another one in place of the drive that the text corrects.
-
-        With `taken_back`, words before the text took it back.
-        """
-        agent, calls, wrong = first
-        skill, book = agent.every_skill[wrong.skill], self._interpreter.phrases
-        right = correct(wrong, skill, text, self._answers, book, taken_back=taken_back)
-        rest = text if taken_back else self._answers.after_no(text)
-        right = right or (self._other_way(wrong, agent, rest) if rest else None)
-        if right is None:
-            return None
-        return Meaning(agent, tuple(right if c is wrong else c for c in calls), "template")
-
-    def _corrected(self, text: str) -> Meaning | None:
-        """The correction of the open question, which it ends, or of the last drive, or None."""
-        right = self._correction(text)
-        if right:
-            self.question.end(ConfirmationStatus.DECLINED)
-        return right
-
-    def _correction(self, text: str) -> Meaning | None:
-        asked = self.question.asked
-        first = self._one_drive(asked.meaning) if asked else self._last_drive()
-        return self._changed(text, first, taken_back=False) if first else None
-
-    def _last_drive(self) -> _First | None:
-        drive = self._last.corrigible
-        return (drive.agent, (drive.call,), drive.call) if drive else None
-
-    def _other_way(self, wrong: Call, agent: Agent, text: str) -> Call | None:
-        """The call by the same amount the other way: "no, to the right"."""
-        plain = self._interpreter.plain(text)
-        if not isinstance(plain, Meaning) or len(plain.calls) != 1:
-            return None
-        (call,) = plain.calls
-        skills = agent.every_skill
-        if call.skill == wrong.skill or call.arguments or call.skill not in skills:
-            return None
-        one, other = skills[call.skill], skills[wrong.skill]
-        same = one.arguments_model.model_fields.keys() == other.arguments_model.model_fields.keys()
-        return (
-            Call(call.skill, wrong.arguments) if one.relative and other.relative and same else None
-        )
 
     def _asked_between(self, text: str) -> Question | None:
         """The open question that these words leave open: they only ask the robot something."""
@@ -468,8 +469,8 @@ class Asking:
     def _denied(self, text: str, answer: Answer | None) -> str | None:
         """What is left of words that say no to the motion: "no", "no, go east"; None for others.
 
-        None while a question waits for that no, where a plain command follows, and for "don't
-        stop". "The other one" says no as well.
+        None while a question waits for that no, and where a plain command follows. "The other one"
+        says no as well.
         """
         agent = self._interpreter.active
         if self.question.asked or not self._performer.moving or STOP not in agent.every_skill:
@@ -480,26 +481,17 @@ class Asking:
         if rest is None:
             if self._means_another(text):
                 return text
-            return "" if self._denies_drive(text) else None
-        code = self._interpreter.phrases.code
-        if self._is_plain(text) or (not rest and _denies_a_stop(text, code)):
+            return "" if self._corrections.denies(text) else None
+        if self._corrections.denies(text):
+            return ""
+        if self._is_plain(text) or denies_stop(self._interpreter.phrases.code, text, begins=True):
             return None
         return None if self._asks_for_more(rest) else rest
 
-    def _stopped_for(self, rest: str, turn: Turn) -> Meaning:
+    def _stopped_for(self, rest: str, turn: Turn) -> Meaning | None:
         """Stop for words that say no to the motion, and take up what they want instead."""
-        agent = self._interpreter.active
-        stop = Meaning(agent, (Call(STOP),), "template")
-        turn.decided(stop.calls, stop.source, stop.measured)
-        self.act(stop, turn)
+        stop = self._halt(turn)
         return (self.go_on(rest, "", turn) if rest else None) or stop
-
-    def _denies_drive(self, text: str) -> bool:
-        """True for "not to the kitchen", on the way there."""
-        if drive := self._last.corrigible:
-            skill = drive.agent.every_skill[drive.call.skill]
-            return denies(drive.call, skill, text, self._answers, self._interpreter.phrases)
-        return False
 
     def _means_another(self, text: str) -> bool:
         plain = self._interpreter.plain(text)
@@ -529,19 +521,6 @@ class Asking:
         return text
 
 
-def _denies_a_stop(text: str, code: str) -> bool:
-    """True for "don't stop": what is denied is a stop word."""
-    words = text.split() if LANGUAGES[code].spaced else list(text)
-    space = " " if LANGUAGES[code].spaced else ""
-    return any(find_stop_word(code, space.join(words[at:])) for at in range(1, len(words)))
-
-
 def _names_anything(meaning: Meaning) -> bool:
     """True if a call takes words that name nothing known, and perhaps words of both choices."""
     return any(meaning.agent.every_skill[call.skill].new_names for call in meaning.calls)
-
-
-def _answers(book: Phrasebook) -> Answers:
-    books = (book, book.fallback) if book.fallback else (book,)
-    hesitant = [word for one in books for word in STOP_WORDS[one.code].hesitant]
-    return Answers([one.answers for one in books], spaced=book.hearing.spaced, hesitant=hesitant)

@@ -168,6 +168,8 @@ class CallReader:
             before = set(range(max(0, first.start - 3), first.start))
             if self._denies_behind(tokens, between):
                 return kept, True
+            if before & denied and self._denies_both(tokens, between, denied - correcting):
+                return kept, True
             if correcting.intersection(between) or before & denied:
                 kept.remove(first)
                 allowed |= set(range(max(0, first.start - 3), second.start))
@@ -181,6 +183,14 @@ class CallReader:
         first = min(said, default=0)
         opens = not parted.isdisjoint((first - 1, first))
         return bool(said) and opens and max(said) > max(marks, default=-1)
+
+    def _denies_both(self, tokens: Words, between: range, denied: frozenset[int]) -> bool:
+        """True if what is between two names denies the second as the first: "not to A and to B"."""
+        marks = [at for at in between if is_mark(tokens[at])]
+        again = denied.intersection(range(max(marks, default=between.start - 1) + 1, between.stop))
+        pair = self._lexicon.book.hearing.pair
+        follows = self._lexicon.book.hearing.denials_follow
+        return (bool(again) and not follows) or any(tokens[at] == pair for at in between)
 
     def _corrected(self, tokens: Words, numbers: Sequence[Number]) -> list[Number]:
         """The numbers that the next one does not correct: "90 degrees, make that 60"."""

@@ -156,6 +156,7 @@ class AnswerWords:
     yes: tuple[str, ...] = ()
     no: tuple[str, ...] = ()
     not_: tuple[str, ...] = ()
+    drop: tuple[str, ...] = ()
     polite: tuple[str, ...] = ()
     little: tuple[str, ...] = ()
     instead: tuple[str, ...] = ()
