@@ -44,6 +44,7 @@ from edgevox.core.commands import (
     StopSpotted,
     TextInput,
     Transcribing,
+    VoiceBegan,
     Way,
 )
 from edgevox.core.events import Cause, Outcome, State, Transcribed, TurnEnded
@@ -92,7 +93,7 @@ class TurnHandler:
             if inbox.can_be_stopped(item):
                 turn.say(self._interpreter.phrases.say("broken"), Outcome.FAILED)
 
-    def _do(self, item: inbox.Item, turn: Turn, put_s: float) -> None:
+    def _do(self, item: inbox.Item, turn: Turn, put_s: float) -> None:  # noqa: PLR0912 - one a kind
         match item:
             case TextInput():
                 self._converse(Transcribed(clean(item.text), turn.number), turn, put_s)
@@ -113,6 +114,8 @@ class TurnHandler:
                 turn.say(text, detail=detail)
             case inbox.Stopped(told=told, before=before, after=after):
                 self._go_on(told, after, before, turn)
+            case inbox.CountedDown():
+                self._asking.counted_down(turn)
             case inbox.Forget():
                 self._interpreter.forget()
                 self._asking.forget()
@@ -312,7 +315,10 @@ class Conversation:
                     self._speech_output.hold()
             case CancelProgram(program_id=program_id):
                 self.programs.forget_by_id(program_id, because("called_off"))
+            case VoiceBegan():
+                self._question.spoken()
             case Transcribing():
+                self._question.spoken()
                 self._states.transcribing()
             case TextInput() | Heard():
                 self._take(command, mark)
@@ -423,6 +429,9 @@ class Conversation:
         while not self._inbox.closed:
             with self._inbox.gate:  # a stop finds the item in the inbox or in its turn
                 item = self._inbox.take(self._question.expires_in_s)
+                if item is None and (due := self._question.due):
+                    self._inbox.put(inbox.CountedDown(due.way), due.mark)
+                    item = self._inbox.take()
                 turn = self._new_turn(item) if item else None
                 self._turn = turn if item and inbox.can_be_stopped(item) else None
                 if isinstance(inbox.words_of(item), Heard):

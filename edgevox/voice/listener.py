@@ -15,6 +15,7 @@ from edgevox.core.commands import (
     SpokenOver,
     StopSpotted,
     Transcribing,
+    VoiceBegan,
 )
 from edgevox.core.errors import EdgeVoxError
 from edgevox.core.events import Cause, WakeWordHeard
@@ -277,6 +278,7 @@ class Listener:
         words = Frame(sound.words, frame.end_s)
         match self._endpointer.push(words, probability, surmised=surmised):
             case SpeechBegan(began_s=began_s):
+                self._tell(VoiceBegan())
                 self._speak_over(began_s)
             case SpeechPaused() as speech:
                 self._guess(speech)

@@ -17,9 +17,9 @@ from edgevox.agent.goals.executor import SkillExecutor
 from edgevox.agent.goals.goal import Goal
 from edgevox.agent.nlu.disfluencies import is_back_channel
 from edgevox.agent.nlu.interpreter import Interpreter
-from edgevox.agent.nlu.meaning import ASK_FROM, Meaning
+from edgevox.agent.nlu.meaning import ASK_FROM, SURE_FROM, Meaning
 from edgevox.agent.nlu.templates import RefusedCommand
-from edgevox.agent.policy import NeedsConfirmation
+from edgevox.agent.policy import NeedsConfirmation, Rule
 from edgevox.agent.programs.keeper import Programs
 from edgevox.agent.programs.questions import ProgramQuestions
 from edgevox.agent.skills import STOP, Call, Skill
@@ -103,13 +103,14 @@ class Performer:
         skills = prepared.meaning.agent.every_skill
         return any(skills[call.skill].lasting for call in prepared.meaning.every_call)
 
-    def question(self, prepared: Prepared) -> str:
-        """The question whether to do it."""
+    def question(self, prepared: Prepared, *, goes: bool = False) -> str:
+        """The question whether to do it, or if it `goes` the sentence that it will be done."""
         phrases, program = self._interpreter.phrases, prepared.meaning.program
         if program:
             return phrases.say("do_this", told=self._programs.in_words(program))
         asked = [one for one in prepared.goals if _is_asked_about(one.skill)] or prepared.goals
-        return phrases.question([(goal.skill, goal.arguments) for goal in asked])
+        calls = [(goal.skill, goal.arguments) for goal in asked]
+        return phrases.announcement(calls) if goes else phrases.question(calls)
 
     def perform(self, prepared: Prepared, turn: Turn) -> None:
         """Do it, or say why not."""
@@ -146,6 +147,10 @@ def _is_asked_about(one: Skill) -> bool:
 
 WHETHER_IN, WHERE = "are_you_in", "get_pose"
 """The question whether the robot is in a place, and the one that is asked with two places."""
+
+_FAIRLY_SURE_FROM = {"template": SURE_FROM, "reading": (ASK_FROM + SURE_FROM) / 2 + 0.01}
+"""Confidences by source from which on a countdown may stand in for a question: that of readings is
+above those of all doubtful ones."""
 
 YES_FROM = 0.6
 """Recognition confidence below which the robot asks again after a spoken yes, so that no guessed
@@ -191,7 +196,12 @@ class Asking:
         self._last.forget()
 
     def follows(self, text: str) -> bool:
-        """True if these words answer the robot, correct it or are a plain command. Any thread."""
+        """True if these words answer the robot, correct it or are a plain command. Any thread.
+
+        While it counts down, any words do.
+        """
+        if self.question.counts_down:
+            return True
         answer = self._answers.read(text)
         if answer is Answer.YES and self.question.asked:
             return True
@@ -204,8 +214,9 @@ class Asking:
 
     def encourages(self, text: str) -> bool:
         """True if words over the robot's speech want it to go on: "mm-hm", laughter. Any thread."""
-        if self.question.asked:
-            return False
+        return not self.question.asked and self._encourages(text)
+
+    def _encourages(self, text: str) -> bool:
         said_yes = self._answers.read(text) is Answer.YES
         return said_yes or is_back_channel(text, self._interpreter.phrases.code)
 
@@ -217,6 +228,9 @@ class Asking:
         self.question.expire()
         if choice := self._chosen(text):
             return self._carried_out(choice, turn, said_s)
+        counting = self.question.asked if self.question.counts_down else None
+        if counting and self._encourages(text):
+            return self._carried_out(counting.meaning, turn, said_s)
         if denies_stop(self._interpreter.phrases.code, text):
             return self._tell_doing(turn)
         answer = self._answers.read(text)
@@ -238,7 +252,7 @@ class Asking:
         if right:
             self.question.end(ConfirmationStatus.DECLINED)
             right = self._dialogue_skills.meant(right, turn)
-            return self._do(right, turn, takes_back=True) if right else None
+            return self._do(right, turn, text, takes_back=True) if right else None
         if denied is not None:
             return self._stopped_for(denied, turn)
         if between := self._asked_between(text):
@@ -284,6 +298,7 @@ class Asking:
 
         `bare`: they name what is wanted beside what is not, but no act. Then the robot asks.
         """
+        counted = self.question.counts_down
         rest = self._unanswered(text)
         taken_back = bool(rest) and self._corrections.taken_back(rest)
         if taken_back is True and self._performer.moving:
@@ -299,31 +314,40 @@ class Asking:
         meaning = self._dialogue_skills.meant(meaning, turn)
         if meaning and bare and not taken_back:
             meaning = replace(meaning, confidence=min(meaning.confidence, ASK_FROM))
-        return self._do(meaning, turn)
+        done = self._do(meaning, turn, rest)
+        if counted and turn.outcome not in (Outcome.ACTED, Outcome.ASKED):
+            turn.say(self._interpreter.phrases.say("left_undone"))
+        return done
 
     def _do(
-        self, meaning: Meaning | None, turn: Turn, *, takes_back: bool = False
+        self, meaning: Meaning | None, turn: Turn, text: str = "", *, takes_back: bool = False
     ) -> Meaning | None:
         """Do what is meant, or ask first; return it if it was done."""
         if meaning is None or turn.token.cancelled:
             return meaning
         turn.decided(meaning.every_call, meaning.source, meaning.measured)
         meaning = self._interpreter.as_heard(meaning, turn)
-        return meaning if self.act(meaning, turn, takes_back=takes_back) else None
+        return meaning if self.act(meaning, turn, text, takes_back=takes_back) else None
 
-    def act(self, meaning: Meaning, turn: Turn, *, takes_back: bool = False) -> bool:
+    def act(
+        self, meaning: Meaning, turn: Turn, text: str = "", *, takes_back: bool = False
+    ) -> bool:
         """Do what is meant, or ask first; always ask if the policy wants a yes.
 
+        `text` are the words that mean it, if only they do: without them there is no countdown.
         `takes_back`: the words want it in place of the motion that goes on. That then ends, whether
         or not this can be done at once. Returns False if the robot asked, or wants plainer words.
         """
         try:
             prepared = self._performer.prepare(meaning, turn)
-        except NeedsConfirmation:
+        except NeedsConfirmation as needed:
             if takes_back:
                 self._halt(turn)
             if prepared := self._performer.prepare(meaning, turn, confirmed=True):
-                self._ask(prepared, turn)
+                counts = needed.rule is Rule.COUNTDOWN and self._may_count_down(
+                    prepared, text, turn
+                )
+                self._ask(prepared, turn, goes=counts)
             return False
         plain = meaning.sure and (meaning.source == "template" or not turn.plainly)
         unsure = turn.doubted or not plain
@@ -353,15 +377,53 @@ class Asking:
         self.act(stop, turn)
         return stop
 
-    def _ask(self, prepared: Prepared, turn: Turn) -> None:
-        text = self._performer.question(prepared)
-        self._put(Question(prepared.meaning, text, turn.number), turn)
+    def _may_count_down(self, prepared: Prepared, text: str, turn: Turn) -> bool:
+        """True if the words are sure enough, and what they want can be undone, to do it unasked.
+
+        Words that a reading rests on may hold no number and no denial: it may have missed them.
+        """
+        meaning = prepared.meaning
+        skills = meaning.agent.every_skill
+        undoable = all(
+            skills[one.skill].undoable for one in meaning.calls if skills[one.skill].drives
+        )
+        if meaning.program or not text or not undoable or turn.doubted or turn.plainly:
+            return False
+        if self.confirm == "always" or meaning.source not in _FAIRLY_SURE_FROM:
+            return False
+        if meaning.source == "reading" and self._interpreter.is_held_back(text):
+            return False
+        return meaning.confidence >= _FAIRLY_SURE_FROM[meaning.source]
+
+    def _ask(self, prepared: Prepared, turn: Turn, *, goes: bool = False) -> None:
+        """Ask whether to do it; or if it `goes`, say so and count down."""
+        text = self._performer.question(prepared, goes=goes)
+        meaning, way, mark = prepared.meaning, turn.way, turn.mark
+        self._put(Question(meaning, text, turn.number, goes=goes, way=way, mark=mark), turn)
+
+    def counted_down(self, turn: Turn) -> None:
+        """Do what was counted down to; ask instead if somebody spoke whose words never came."""
+        due = self.question.take_due()
+        if due is None:  # a stop, a no or a new order has ended it meanwhile
+            return
+        question, spoken = due
+        self._dialogue_skills.confirmed(turn.number, question.turn)
+        if prepared := self._performer.prepare(question.meaning, turn, confirmed=True):
+            if spoken:
+                self._ask(prepared, turn)
+            else:
+                self._performer.perform(prepared, turn)
 
     def _ask_again(self, turn: Turn) -> None:
         """Ask the same question again: the yes was hardly heard, or a question came between."""
-        if asked := self.question.asked:
-            self._dialogue_skills.confirmed(turn.number, asked.turn)
+        asked = self.question.asked
+        if asked is None:
+            return
+        self._dialogue_skills.confirmed(turn.number, asked.turn)
+        if not asked.goes:
             self._put(replace(asked, turn=turn.number), turn)
+        elif prepared := self._performer.prepare(asked.meaning, turn, confirmed=True):
+            self._ask(prepared, turn)
 
     def _put(self, question: Question, turn: Turn) -> None:
         if self.question.ask(question):
@@ -462,7 +524,9 @@ class Asking:
 
     def _asked_between(self, text: str) -> Question | None:
         """The open question that these words leave open: they only ask the robot something."""
-        plain = self._interpreter.plain(text) if self.question.asked else None
+        if not self.question.asked or self.question.counts_down:
+            return None
+        plain = self._interpreter.plain(text)
         asks = isinstance(plain, Meaning) and self._dialogue_skills.only_tells(plain.calls)
         return self.question.asked if asks else None
 

@@ -19,7 +19,8 @@ class FollowUps:
     """Implements `core.speech.FollowUp` for a conversation. Any thread may use it.
 
     `follows` tells whether words answer, correct or command. `within_s` is how long after a spoken
-    answer they may begin; 0 turns all follow-ups off. A question takes answers for as long as it is
+    answer they may begin; 0 turns all follow-ups off, except while the robot counts down: then any
+    words count. A question takes answers for as long as it is
     open. Only words that were spoken to the robot are answered so: after typed ones nobody is near.
     """
 
@@ -47,6 +48,8 @@ class FollowUps:
 
     def awaits(self, began_s: float, ended_s: float) -> bool:
         """See `FollowUp.awaits`."""
+        if self._question.counts_down:
+            return True
         if not self._within_s:
             return False
         if self._asked and self._question.is_answered_at(ended_s):
