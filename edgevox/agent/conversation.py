@@ -44,7 +44,6 @@ from edgevox.core.commands import (
     StopSpotted,
     TextInput,
     Transcribing,
-    VoiceBegan,
     Way,
 )
 from edgevox.core.events import Cause, Outcome, State, Transcribed, TurnEnded
@@ -315,8 +314,6 @@ class Conversation:
                     self._speech_output.hold()
             case CancelProgram(program_id=program_id):
                 self.programs.forget_by_id(program_id, because("called_off"))
-            case VoiceBegan():
-                self._question.spoken()
             case Transcribing():
                 self._question.spoken()
                 self._states.transcribing()

@@ -110,11 +110,6 @@ class SpokenOver:
 
 
 @dataclass(frozen=True, slots=True)
-class VoiceBegan:
-    """Somebody began to speak; the words, if they are for the robot, follow as `Heard`."""
-
-
-@dataclass(frozen=True, slots=True)
 class SpokenOn:
     """The person speaks on after a `Heard`: its words were not all, and come again as a whole."""
 
@@ -202,7 +197,6 @@ ConversationCommand = (
     | StopSpotted
     | SpokenOn
     | SpokenOver
-    | VoiceBegan
     | Speak
     | Interrupt
     | Reset

@@ -15,7 +15,6 @@ from edgevox.core.commands import (
     SpokenOver,
     StopSpotted,
     Transcribing,
-    VoiceBegan,
 )
 from edgevox.core.errors import EdgeVoxError
 from edgevox.core.events import Cause, WakeWordHeard
@@ -278,7 +277,8 @@ class Listener:
         words = Frame(sound.words, frame.end_s)
         match self._endpointer.push(words, probability, surmised=surmised):
             case SpeechBegan(began_s=began_s):
-                self._tell(VoiceBegan())
+                if self._follow_up:
+                    self._follow_up.begins()
                 self._speak_over(began_s)
             case SpeechPaused() as speech:
                 self._guess(speech)

@@ -46,6 +46,10 @@ class FollowUps:
         """Await none: the robot was stopped."""
         self._answered_s, self._asked = float("-inf"), False
 
+    def begins(self) -> None:
+        """See `FollowUp.begins`: a countdown waits for the words."""
+        self._question.spoken()
+
     def awaits(self, began_s: float, ended_s: float) -> bool:
         """See `FollowUp.awaits`."""
         if self._question.counts_down:

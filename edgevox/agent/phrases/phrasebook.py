@@ -382,13 +382,12 @@ class Phrasebook:
 
     def announcement(self, calls: Sequence[tuple[Skill, Mapping[str, Any]]]) -> str:
         """Says that these calls will be done: "I will go to the kitchen."."""
-        told = " ".join(
+        actions = [self.action(one, arguments) for one, arguments in calls]
+        if all(actions):
+            return self.say("announced", actions=self.say("and_then").join(actions))
+        return " ".join(
             self.acknowledge(one, a) or as_sentence(one.description) for one, a in calls
         )
-        actions = [self.action(one, arguments) for one, arguments in calls]
-        if not all(actions):
-            return told
-        return self.say("announced", actions=self.say("and_then").join(actions), told=told)
 
     def failure(self, reason: Reason) -> str:
         """The sentence for a call that failed for this reason."""

@@ -9,7 +9,7 @@ from edgevox.agent.dialogue.question import COUNTDOWN_S, EXPIRES_S, SPOKEN_S
 from edgevox.agent.nlu.meaning import ASK_FROM, SURE_FROM
 from edgevox.agent.skills import Call
 from edgevox.core.agent_events import GoalRejected, ToolCalled
-from edgevox.core.commands import Interrupt, RunSkill, StopSpotted, TextInput, VoiceBegan
+from edgevox.core.commands import Interrupt, RunSkill, StopSpotted, TextInput
 from edgevox.core.events import TurnEnded
 from edgevox.core.languages import LANGUAGES
 
@@ -115,7 +115,7 @@ def test_who_begins_to_speak_in_the_second_is_waited_for(tmp_path):
     with counting(tmp_path) as talk:
         talk.say("go to the kitchen")
         talk.clock.now_s += COUNTDOWN_S / 2
-        talk.conversation.submit(VoiceBegan())
+        talk.conversation.follow_ups.begins()
         talk.clock.now_s += COUNTDOWN_S * 2  # so long does "no, not there" take until it is words
         talk.hear("no")
         assert talk.body.sent == []
@@ -125,7 +125,7 @@ def test_who_begins_to_speak_in_the_second_is_waited_for(tmp_path):
 def test_where_the_words_never_come_it_asks_instead(tmp_path):
     with counting(tmp_path) as talk:
         talk.say("go to the kitchen")
-        talk.conversation.submit(VoiceBegan())
+        talk.conversation.follow_ups.begins()
         passes(talk, SPOKEN_S)
         assert talk.said[-1] == "Shall I go to the kitchen?"
         assert talk.statuses == ["asked", "expired", "asked"]
