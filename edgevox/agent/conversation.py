@@ -10,10 +10,10 @@ from typing import Any, assert_never
 
 from edgevox.agent import inbox
 from edgevox.agent.agents import Agent, skills_of
-from edgevox.agent.dialogue.asking import Asking, Performer
-from edgevox.agent.dialogue.follow_up import FollowUps
+from edgevox.agent.dialogue.asking import Asking
 from edgevox.agent.dialogue.memory import LastDrive
-from edgevox.agent.dialogue.question import OpenQuestion
+from edgevox.agent.dialogue.performer import Performer
+from edgevox.agent.dialogue.question import FollowUps, OpenQuestion
 from edgevox.agent.dialogue.skills import DialogueSkills
 from edgevox.agent.goals.executor import SkillExecutor
 from edgevox.agent.goals.goal import Goal

@@ -119,8 +119,8 @@ def test_the_parameter_changes_while_it_runs_and_refuses_what_it_cannot_be(askin
 def test_a_countdown_is_seen_and_goes_by_itself(agent, peer, tmp_path):
     policy = tmp_path / "policy.yaml"
     policy.write_text("rules: {text_input: {navigate_to: countdown}}\n")
-    robot = Robot(peer())
     agent("--policy", str(policy))
+    robot = Robot(peer())
     robot.say("go to the kitchen")
     asked = robot.wait_for("asked")
     assert (asked["goes"], asked["expires_s"], asked["calls"]) == (True, 1.0, [KITCHEN])
