@@ -170,7 +170,7 @@ class Asking:
     def _between(self, text: str, question: Question, turn: Turn) -> Meaning | None:
         """Answer what is asked while a question waits, and ask that again."""
         meaning = self._dialogue_skills.meant(self._interpreter.understand(text, turn), turn)
-        done = self._do(meaning, turn)
+        done = self._do(meaning, turn, text)
         if self.question.asked is question:
             self._ask_again(turn)
         return done
@@ -208,7 +208,7 @@ class Asking:
         if meaning is None or turn.token.cancelled:
             return meaning
         turn.decided(meaning.every_call, meaning.source, meaning.measured)
-        meaning = self._interpreter.as_heard(meaning, turn)
+        meaning = self._interpreter.as_heard(meaning, text, turn)
         return meaning if self.act(meaning, turn, text, takes_back=takes_back) else None
 
     def act(
