@@ -242,7 +242,7 @@ class Answers:
         said = {one.value for clause in clauses for one in _values(clause)}
         negated = {value for clause in clauses for value in self._negated(clause)}
         others = said - {meant} - negated
-        denies = taken_back or any(map(_says_no, clauses))
+        denies = meant not in said and (taken_back or any(map(_says_no, clauses)))
         corrects = negated == {meant} if negated else denies
         return others.pop() if corrects and len(others) == 1 else None
 
@@ -549,7 +549,8 @@ def _heard(choices: OneOf, book: Phrasebook, text: str) -> Mapping[str, str]:
         return spoken
     keys = {key(said): word for said, word in spoken.items()}
     found = dict(spoken)
-    for said in _windows(text):
+    small = frozenset(map(key, (*book.answers.little, *book.answers.polite, book.hearing.pair)))
+    for said in _windows(text, small):
         plain = key(said)
         meant = {word for one, word in keys.items() if is_same_name(plain, one, inflected=True)}
         if plain not in keys and len(meant) == 1:
@@ -557,9 +558,11 @@ def _heard(choices: OneOf, book: Phrasebook, text: str) -> Mapping[str, str]:
     return found
 
 
-def _windows(text: str) -> Iterator[str]:
-    """Each row of a few words of one clause."""
+def _windows(text: str, small: frozenset[str]) -> Iterator[str]:
+    """Each row of a few words of one clause, without small ones at its ends."""
     for tokens in _clause_tokens(text, spaced=True):
         for size in range(1, _MOST_NAME_WORDS + 1):
             for start in range(len(tokens) - size + 1):
-                yield " ".join(tokens[start : start + size])
+                row = tokens[start : start + size]
+                if small.isdisjoint(map(key, (row[0], row[-1]))):
+                    yield " ".join(row)

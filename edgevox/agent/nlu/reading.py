@@ -158,7 +158,10 @@ class CallReader:
     def _take_back(self, tokens: Words, names: Sequence[Name]) -> tuple[list[Name], bool]:
         """The names that were not taken back ("the office, no, the bedroom"), and a denial."""
         denied = self._negations.places(tokens) - self._courtesies.places(tokens)
-        correcting = self._corrections.places(tokens)
+        long = (
+            range(at, at + len(one)) for at, one in self._negations.find(tokens) if len(one) > 1
+        )
+        correcting = self._corrections.places(tokens).difference(*long)  # "instead" of "instead of"
         kept = list(names)
         allowed: set[int] = set()
         for first, second in itertools.pairwise(names):
