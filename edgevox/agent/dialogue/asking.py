@@ -223,14 +223,17 @@ class Asking:
         try:
             prepared = self._performer.prepare(meaning, turn)
         except NeedsConfirmation as needed:
-            if takes_back:
+            counts = needed.rule is Rule.COUNTDOWN
+            tells = counts and self._dialogue_skills.only_tells(meaning.calls)
+            if takes_back and not tells:
                 self._halt(turn)
-            if prepared := self._performer.prepare(meaning, turn, confirmed=True):
-                counts = needed.rule is Rule.COUNTDOWN and self._may_count_down(
-                    prepared, text, turn
-                )
-                self._ask(prepared, turn, goes=counts)
-            return False
+            prepared = self._performer.prepare(meaning, turn, confirmed=True)
+            if prepared and tells:  # nothing that a person could want to end
+                self._performer.perform(prepared, turn)
+            elif prepared:
+                goes = counts and self._may_count_down(prepared, text, turn)
+                self._ask(prepared, turn, goes=goes)
+            return tells
         plain = meaning.sure and (meaning.source == "template" or not turn.plainly)
         unsure = turn.doubted or not plain
         asks = self.confirm == "always" or (unsure and self.confirm == "unsure")
@@ -267,7 +270,9 @@ class Asking:
         meaning = prepared.meaning
         skills = meaning.agent.every_skill
         undoable = all(
-            skills[one.skill].undoable for one in meaning.calls if skills[one.skill].drives
+            skills[one.skill].undoable
+            for one in meaning.calls
+            if not self._dialogue_skills.only_tells([one])
         )
         if meaning.program or not text or not undoable or turn.doubted or turn.plainly:
             return False

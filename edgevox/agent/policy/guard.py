@@ -464,7 +464,7 @@ def asked_instead(file: PolicyFile, skills: Iterable[Skill]) -> list[str]:
     return [
         f"{one.name}: cannot be undone, so that `countdown` asks for a yes"
         for one in skills
-        if one.drives
+        if (one.drives or one.lasting)
         and not one.undoable
         and any(name_form(one.name) == name_form(n) for n in counted)
     ]

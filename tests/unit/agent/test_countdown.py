@@ -3,6 +3,8 @@
 from contextlib import contextmanager
 
 import pytest
+from support.bodies import BODIES
+from support.body import FakeBody
 from support.conversation import Talk
 
 from edgevox.agent.dialogue.question import COUNTDOWN_S, EXPIRES_S, SPOKEN_S
@@ -175,6 +177,22 @@ def test_what_cannot_be_undone_is_asked_about(tmp_path, said):
     with counting(tmp_path) as talk:
         talk.say(said)
         assert [one.goes for one in talk.questions] == [False]
+
+
+@pytest.mark.parametrize("said", ["forget the place kitchen", "remember this place as the lab"])
+def test_what_changes_something_for_good_is_asked_about(tmp_path, said):
+    policy, body = tmp_path / "policy.yaml", FakeBody(arrives=True)
+    policy.write_text('rules: {"*": countdown}\n')
+    with Talk(body, skills=body.playing(BODIES["apartment"].values()), policy=policy) as talk:
+        talk.say(said)
+        assert [one.goes for one in talk.questions] == [False]
+
+
+def test_what_only_tells_something_is_done_at_once(tmp_path):
+    with counting(tmp_path, '{"*": countdown}') as talk:
+        assert talk.say("where are you") == "I am at 1.2."
+        assert talk.say("what are you doing") == "I am doing nothing right now."
+        assert talk.questions == []
 
 
 def test_it_asks_where_the_setting_wants_a_question_always(tmp_path):
