@@ -10,10 +10,10 @@ from typing import Any, assert_never
 
 from edgevox.agent import inbox
 from edgevox.agent.agents import Agent, skills_of
-from edgevox.agent.dialogue.asking import Asking, Performer
-from edgevox.agent.dialogue.follow_up import FollowUps
+from edgevox.agent.dialogue.asking import Asking
 from edgevox.agent.dialogue.memory import LastDrive
-from edgevox.agent.dialogue.question import OpenQuestion
+from edgevox.agent.dialogue.performer import Performer
+from edgevox.agent.dialogue.question import FollowUps, OpenQuestion
 from edgevox.agent.dialogue.skills import DialogueSkills
 from edgevox.agent.goals.executor import SkillExecutor
 from edgevox.agent.goals.goal import Goal
@@ -92,7 +92,7 @@ class TurnHandler:
             if inbox.can_be_stopped(item):
                 turn.say(self._interpreter.phrases.say("broken"), Outcome.FAILED)
 
-    def _do(self, item: inbox.Item, turn: Turn, put_s: float) -> None:
+    def _do(self, item: inbox.Item, turn: Turn, put_s: float) -> None:  # noqa: PLR0912 - one a kind
         match item:
             case TextInput():
                 self._converse(Transcribed(clean(item.text), turn.number), turn, put_s)
@@ -113,6 +113,8 @@ class TurnHandler:
                 turn.say(text, detail=detail)
             case inbox.Stopped(told=told, before=before, after=after):
                 self._go_on(told, after, before, turn)
+            case inbox.CountedDown():
+                self._asking.counted_down(turn)
             case inbox.Forget():
                 self._interpreter.forget()
                 self._asking.forget()
@@ -313,6 +315,7 @@ class Conversation:
             case CancelProgram(program_id=program_id):
                 self.programs.forget_by_id(program_id, because("called_off"))
             case Transcribing():
+                self._question.spoken()
                 self._states.transcribing()
             case TextInput() | Heard():
                 self._take(command, mark)
@@ -423,6 +426,9 @@ class Conversation:
         while not self._inbox.closed:
             with self._inbox.gate:  # a stop finds the item in the inbox or in its turn
                 item = self._inbox.take(self._question.expires_in_s)
+                if item is None and (due := self._question.due):
+                    self._inbox.put(inbox.CountedDown(due.way), due.mark)
+                    item = self._inbox.take()
                 turn = self._new_turn(item) if item else None
                 self._turn = turn if item and inbox.can_be_stopped(item) else None
                 if isinstance(inbox.words_of(item), Heard):

@@ -38,6 +38,14 @@ class Forget:
 
 
 @dataclass(frozen=True, slots=True)
+class CountedDown:
+    """The time of a countdown is over."""
+
+    way: Way
+    """The way in which its words came."""
+
+
+@dataclass(frozen=True, slots=True)
 class Settle:
     """Return to the state `listening`, after a stop that cut no turn."""
 
@@ -76,9 +84,9 @@ class Stopped:
     """The words after it."""
 
 
-Item = (
-    TextInput | Heard | Speak | RunSkill | TooLong | Announce | Stopped | Forget | Settle
-) | SwitchLanguage
+Item = (TextInput | Heard | Speak | RunSkill | TooLong | Announce | Stopped | Forget | Settle) | (
+    SwitchLanguage | CountedDown
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -222,7 +230,9 @@ def words_of(item: Item | None) -> Item | None:
 
 def way_of(item: Item) -> Way:
     """The way in which the item was asked for; `TEXT_INPUT` for one that has no way."""
-    return item.way if isinstance(item, TextInput | Heard | RunSkill) else Way.TEXT_INPUT
+    return (
+        item.way if isinstance(item, TextInput | Heard | RunSkill | CountedDown) else Way.TEXT_INPUT
+    )
 
 
 def _bounded(item: Item) -> Item:

@@ -54,7 +54,8 @@ def messages_of(event: Event) -> list[dict[str, Any]]:
 
 def _asked(event: Confirmation) -> dict[str, Any]:
     is_open = event.status is ConfirmationStatus.ASKED
-    return _talk("asked", event.turn, text=event.question, expires_s=event.expires_s, open=is_open)
+    text, expires_s = event.question, event.expires_s
+    return _talk("asked", event.turn, text=text, expires_s=expires_s, goes=event.goes, open=is_open)
 
 
 def _talk(kind: str, turn: int, **fields: Any) -> dict[str, Any]:

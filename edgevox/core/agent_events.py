@@ -182,6 +182,7 @@ class ConfirmationStatus(StrEnum):
 
     ASKED = "asked"
     CONFIRMED = "confirmed"
+    COUNTED_DOWN = "counted_down"
     DECLINED = "declined"
     EXPIRED = "expired"
     REPLACED = "replaced"
@@ -198,19 +199,21 @@ class AskedCall:
 
 @dataclass(frozen=True, slots=True)
 class Confirmation:
-    """A question before calls was asked, answered or withdrawn; `turn` is the turn that asked."""
+    """A question or a countdown before calls began or ended; `turn` is the turn that asked."""
 
     kind: ClassVar = AgentEventKind.CONFIRMATION
     status: ConfirmationStatus
     """The question's stage from now on."""
     question: str
-    """The question as it is said."""
+    """The question as it is said; for a countdown what the robot says that it will do."""
     calls: tuple[AskedCall, ...]
     """The calls that a yes carries out."""
     expires_s: float
-    """Seconds from the end of the spoken question until it expires."""
+    """Seconds from the end of the spoken question until it expires, or until a countdown ends."""
     turn: int
     """Number of the turn that asked."""
+    goes: bool = False
+    """True for a countdown: the calls are done when its time is over, unless a person says no."""
 
 
 class ProgramStatus(StrEnum):

@@ -121,6 +121,7 @@ class StopWords:
     alone: tuple[str, ...] = ()
     courtesies: tuple[str, ...] = ()
     innocent: tuple[str, ...] = ()
+    denials: tuple[str, ...] = ()
     others: tuple[str, ...] = ()
     ordinary: tuple[str, ...] = ()
     hesitant: tuple[str, ...] = ()

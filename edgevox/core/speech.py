@@ -69,6 +69,9 @@ class TextToSpeech(Protocol):
 class FollowUp(Protocol):
     """Tells which words are for the robot although they have no wake word. Any thread may ask."""
 
+    def begins(self) -> None:
+        """Take note that somebody begins to speak, perhaps to the robot."""
+
     def awaits(self, began_s: float, ended_s: float) -> bool:
         """True if words with these times, of the clock, may answer or follow what the robot said.
 

@@ -122,7 +122,12 @@ def _navigate_to(
         return _go(body, goal, location, word, memory)
 
     navigate_to = navigate_to_room if word is ROOM else navigate_to_location
-    return _named("navigate_to", navigate_to, examples=_hints_in_turn(known.fixed, hints, word))
+    return _named(
+        "navigate_to",
+        navigate_to,
+        examples=_hints_in_turn(known.fixed, hints, word),
+        undoable=True,
+    )
 
 
 def _named(name: str, run: Callable[..., Result], **about: Any) -> Skill:
@@ -162,7 +167,7 @@ def _turn_towards(
         return _turn(body, goal, location, word, memory)
 
     towards = towards_room if word is ROOM else towards_location
-    return _named("turn_towards", towards, plainly=True)
+    return _named("turn_towards", towards, plainly=True, undoable=True)
 
 
 def _turn(
@@ -201,7 +206,7 @@ def _remembered(body: NavigableBody, there: Place | None, name: str) -> Place:
 
 
 def _navigate_xy(body: NavigableBody, word: PlaceWord) -> Skill:
-    @skill(check=lambda x, y: check_goal(body, x, y))
+    @skill(check=lambda x, y: check_goal(body, x, y), undoable=True)
     def navigate_xy(
         goal: GoalHandle,
         x: Annotated[float, Field(description="metres to the right, map frame")],

@@ -60,7 +60,7 @@ def where(pose: Pose2D) -> dict[str, float]:
 
 
 def _drive_forward(body: DrivingBody) -> Skill:
-    @skill(relative=True)
+    @skill(relative=True, undoable=True)
     def drive_forward(goal: GoalHandle, distance: Distance = 1.0) -> Result:
         """Drive straight ahead for a distance in metres, around nothing."""
         return _drive(body, goal, distance)
@@ -69,7 +69,7 @@ def _drive_forward(body: DrivingBody) -> Skill:
 
 
 def _drive_backward(body: DrivingBody) -> Skill:
-    @skill(relative=True, towards_rad=math.pi)
+    @skill(relative=True, undoable=True, towards_rad=math.pi)
     def drive_backward(goal: GoalHandle, distance: Distance = 1.0) -> Result:
         """Drive straight back for a distance in metres, where it can see behind itself."""
         return _drive(body, goal, -distance)
@@ -78,7 +78,7 @@ def _drive_backward(body: DrivingBody) -> Skill:
 
 
 def _turn_left(body: TurningBody) -> Skill:
-    @skill(relative=True)
+    @skill(relative=True, undoable=True)
     def turn_left(goal: GoalHandle, degrees: Degrees = 90.0) -> Result:
         """Turn to the left on the spot, by an angle in degrees."""
         return _turn(body, goal, degrees)
@@ -87,7 +87,7 @@ def _turn_left(body: TurningBody) -> Skill:
 
 
 def _turn_right(body: TurningBody) -> Skill:
-    @skill(relative=True)
+    @skill(relative=True, undoable=True)
     def turn_right(goal: GoalHandle, degrees: Degrees = 90.0) -> Result:
         """Turn to the right on the spot, by an angle in degrees."""
         return _turn(body, goal, -degrees)
@@ -96,7 +96,7 @@ def _turn_right(body: TurningBody) -> Skill:
 
 
 def _turn_around(body: TurningBody) -> Skill:
-    @skill()
+    @skill(undoable=True)
     def turn_around(goal: GoalHandle) -> Result:
         """Turn around, to look the other way."""
         return _turn(body, goal, 180.0)
@@ -148,7 +148,7 @@ def walking_skills(body: WalkingBody) -> tuple[Skill, ...]:
 
 
 def _walk_forward(body: WalkingBody) -> Skill:
-    @skill(relative=True)
+    @skill(relative=True, undoable=True)
     def walk_forward(goal: GoalHandle, distance: Distance = 1.0) -> Result:
         """Walk straight ahead for a distance in metres."""
         return _walk(body, goal, distance)
@@ -157,7 +157,7 @@ def _walk_forward(body: WalkingBody) -> Skill:
 
 
 def _walk_backward(body: WalkingBody) -> Skill:
-    @skill(relative=True, towards_rad=math.pi)
+    @skill(relative=True, undoable=True, towards_rad=math.pi)
     def walk_backward(goal: GoalHandle, distance: Distance = 1.0) -> Result:
         """Walk straight back for a distance in metres."""
         return _walk(body, goal, -distance)

@@ -280,6 +280,8 @@ class Listener:
         words = Frame(sound.words, frame.end_s)
         match self._endpointer.push(words, probability, surmised=surmised):
             case SpeechBegan(began_s=began_s):
+                if self._follow_up:
+                    self._follow_up.begins()
                 self._speak_over(began_s)
             case SpeechPaused() as speech:
                 self._guess(speech)

@@ -139,6 +139,16 @@ def test_a_question_has_a_yes_and_a_no(opens: Opens, robot: Robot) -> None:
     assert [one["yes"] for one in robot.commands("answer")] == [True]
 
 
+def test_a_countdown_shows_its_time_and_can_be_ended(opens: Opens, robot: Robot) -> None:
+    page = opens()
+    robot.tell(type="talk", kind="asked", turn=1, text="I will go.", expires_s=1.0, goes=True)
+    expect(page.locator(".question")).to_contain_text("I will go. (1 s)")
+    settled(page)
+    page.get_by_role("button", name="No").click()
+    until(page, lambda: robot.commands("answer"))
+    assert [one["yes"] for one in robot.commands("answer")] == [False]
+
+
 def test_a_form_sends_typed_arguments_and_can_be_repeated(opens: Opens, robot: Robot) -> None:
     page = opens()
     form = page.locator(".skill", has_text="Drive straight")

@@ -78,6 +78,7 @@ def test_a_question_is_seen_and_a_yes_on_text_input_drives_the_robot(asking):
         "calls": [KITCHEN],
         "expires_s": 20.0,
         "turn": asked["turn"],
+        "goes": False,
     }
     asking.response.wait_for(lambda m: m == phrases.asks("navigate_to", room="kitchen"))
     assert asking.calls() == []
@@ -113,3 +114,18 @@ def test_the_parameter_changes_while_it_runs_and_refuses_what_it_cannot_be(askin
     assert asking.set_confirm("never").successful
     asking.say("go to the kitchen")
     asking.response.wait_for(lambda m: m == phrases.begins("navigate_to", room="kitchen"))
+
+
+def test_a_countdown_is_seen_and_goes_by_itself(agent, peer, tmp_path):
+    policy = tmp_path / "policy.yaml"
+    policy.write_text("rules: {text_input: {navigate_to: countdown}}\n")
+    agent("--policy", str(policy))
+    robot = Robot(peer())
+    robot.say("go to the kitchen")
+    asked = robot.wait_for("asked")
+    assert (asked["goes"], asked["expires_s"], asked["calls"]) == (True, 1.0, [KITCHEN])
+    robot.response.wait_for(lambda m: m == asked["question"])
+    robot.wait_for("counted_down")
+    robot.state.wait_for(lambda m: json.loads(m)["room"] == "kitchen", timeout_s=HUNG_S)
+    assert robot.statuses() == ["asked", "counted_down"]
+    assert len(robot.calls()) == 1

@@ -128,6 +128,7 @@ class FakeBody:
             says="Going to the {room}.",
             done="I am in the {room}.",
             action="go to the {room}",
+            undoable=True,
         )
         def navigate_to(goal: GoalHandle, room: Annotated[str, rooms]):
             """Drive to a room."""
@@ -152,6 +153,7 @@ class FakeBody:
             action="walk {distance:g} metres forward",
             check=walkable,
             relative=True,
+            undoable=True,
         )
         def walk_forward(goal: GoalHandle, distance: Annotated[float, Field(ge=0.05, le=20)] = 1.0):
             """Walk forward."""

@@ -16,8 +16,8 @@ from typing import Any
 
 from edgevox.agent.phrases.numbers import digits, is_exact
 from edgevox.agent.phrases.phrasebook import AnswerWords, Phrasebook
-from edgevox.agent.skills import Call, Skill
-from edgevox.agent.text.spelling import NUMBER, key, separated, unpunctuated
+from edgevox.agent.skills import Call, OneOf, Skill
+from edgevox.agent.text.spelling import NUMBER, is_same_name, key, separated, unpunctuated
 from edgevox.core.files.json_reader import is_number
 from edgevox.core.files.text import one_form
 
@@ -29,6 +29,9 @@ _MOST_DENYING = 6
 
 _MOST_CUTS = 36
 """Number of pairs of sentences that are tried for one with a choice."""
+
+_MOST_NAME_WORDS = 3
+"""Number of words of the longest name that is found in another form."""
 
 _CLAUSE_END = re.compile(
     r"[;!?\u061b\u061f\u0964\u2026\u3001\u3002\uff01\uff0c\uff1b\uff1f\u060c]+|[.,:](?!\d)"
@@ -50,8 +53,10 @@ class _AnswerPart(StrEnum):
     """Kinds of phrases in an answer beside yes and no."""
 
     NOT = "not"
+    DROP = "drop"
     POLITE = "polite"
     LITTLE = "little"
+    AND = "and"
     INSTEAD = "instead"
     FIRST = "first"
     SECOND = "second"
@@ -81,6 +86,22 @@ class _Value:
 _Found = Answer | _AnswerPart | _Value | _Choice
 _Phrases = Mapping[tuple[str, ...], _Found]
 _Clause = tuple[_Found, ...]
+_QUIET = frozenset({_AnswerPart.POLITE, _AnswerPart.LITTLE, _AnswerPart.INSTEAD, Answer.NO})
+_DENYING = frozenset({_AnswerPart.NOT, _AnswerPart.DROP})
+
+
+@dataclass(frozen=True, slots=True)
+class Contrast:
+    """A sentence that takes back one thing and wants another: "forget the kitchen, go home"."""
+
+    denied: frozenset[str]
+    """The words of arguments that are not wanted."""
+    rest: str
+    """The rest of the sentence."""
+    joined: bool
+    """True if the denial comes first and goes on with an "and", which may deny the rest as well."""
+    plainly: bool
+    """True if it cannot deny the rest: it comes last, a mark ends it, or it says "forget"."""
 
 
 class Answers:
@@ -88,13 +109,22 @@ class Answers:
 
     A text is an answer only if all of it is: "yes, but not now" is none. `spaced` is True for a
     language that puts spaces between words; `hesitant` words correct as well: "wait the office".
+    `pairs` are the words for "and". `follows` is True for a language whose negations stand behind
+    what they deny: "mutfak değil".
     """
 
     def __init__(
-        self, tables: Iterable[AnswerWords], *, spaced: bool = True, hesitant: Iterable[str] = ()
+        self,
+        tables: Iterable[AnswerWords],
+        *,
+        spaced: bool = True,
+        hesitant: Iterable[str] = (),
+        pairs: Iterable[str] = (),
+        follows: bool = False,
     ) -> None:
         tables = tuple(tables)
         self._spaced = spaced
+        self._not_follows = follows
         self._space = " " if spaced else ""
         nos = self._phrases(Answer.NO, chain.from_iterable(one.no for one in tables))
         nots = self._phrases(_AnswerPart.NOT, chain.from_iterable(one.not_ for one in tables))
@@ -102,6 +132,7 @@ class Answers:
             _AnswerPart.POLITE, chain.from_iterable(one.polite for one in tables)
         )
         yes = self._phrases(Answer.YES, chain.from_iterable(one.yes for one in tables))
+        drops = self._phrases(_AnswerPart.DROP, chain.from_iterable(one.drop for one in tables))
         little = self._phrases(
             _AnswerPart.LITTLE, chain.from_iterable(one.little for one in tables)
         )
@@ -124,7 +155,12 @@ class Answers:
         self._takes_back = {word for phrase in instead for word in phrase} | self._denials
         waits = self._phrases(_AnswerPart.INSTEAD, hesitant)
         self._takes_back |= {word for phrase in waits for word in phrase}
-        self._corrections = {**polite, **little, **waits, **instead, **nos, **nots}
+        self._takes_back |= {phrase[0] for phrase in drops}
+        pair = self._phrases(_AnswerPart.AND, pairs)
+        self._dropping, self._nos, self._pairs = drops.keys(), nos.keys(), pair.keys()
+        self._corrections = {
+            **polite, **little, **pair, **waits, **instead, **nos, **nots, **drops
+        }  # fmt: skip
 
     def read(self, text: str) -> Answer | None:
         """Yes or no if the text says nothing more, otherwise None."""
@@ -165,6 +201,8 @@ class Answers:
         """
         pieces = self._pieces(text)
         for start in reversed(range(1, len(pieces))):
+            if self._drops(pieces[start:]):  # "instead of": no "instead"
+                continue
             ends = range(min(len(pieces), start + _MOST_DENYING), start, -1)
             said = ((end, self._space.join(pieces[start:end])) for end in ends)
             end = next((end for end, one in said if self._is_taking_back(one)), None)
@@ -177,6 +215,10 @@ class Answers:
             if parted or not self._also_negates(words):
                 denies = (parted or not after) and self.read(words) is Answer.NO
                 yield before, after, denies
+
+    def _drops(self, pieces: Sequence[str]) -> bool:
+        words = _tokens(self._space.join(pieces), self._spaced)
+        return any(words[: len(phrase)] == phrase for phrase in self._dropping)
 
     def _is_taking_back(self, text: str) -> bool:
         found = {*chain.from_iterable(self._clauses(text, self._taking_back))}
@@ -198,16 +240,85 @@ class Answers:
         """
         clauses = self._naming(text, spoken)
         said = {one.value for clause in clauses for one in _values(clause)}
-        negated = {value for clause in clauses for value in _negated(clause)}
+        negated = {value for clause in clauses for value in self._negated(clause)}
         others = said - {meant} - negated
-        denies = taken_back or any(map(_says_no, clauses))
+        denies = meant not in said and (taken_back or any(map(_says_no, clauses)))
         corrects = negated == {meant} if negated else denies
         return others.pop() if corrects and len(others) == 1 else None
 
     def denies(self, text: str, spoken: Mapping[str, str], meant: str) -> bool:
         """True if the text only says that `meant` is not wanted: "not the kitchen"."""
         clauses = self._naming(text, spoken)
-        return {value for clause in clauses for value in _negated(clause)} == {meant}
+        said = {one.value for clause in clauses for one in _values(clause)}
+        negated = {value for clause in clauses for value in self._negated(clause)}
+        return said == negated == {meant}
+
+    def contrasts(self, text: str, spoken: Mapping[str, str]) -> Iterator[Contrast]:
+        """Each way to part a text into words that deny something known, and a rest.
+
+        The denial comes first or last: "not the kitchen, go home", "go home instead of there".
+        """
+        pieces = self._pieces(text)
+        for at in range(1, len(pieces) if len(pieces) <= MAX_TOKENS else 0):
+            first, last = self._space.join(pieces[:at]), self._space.join(pieces[at:])
+            for denial, rest, leads in ((first, last, True), (last, first, False)):
+                parted = any(map(_CLAUSE_END.fullmatch, (first[-1:], last.strip()[:1])))
+                if one := self._denial(denial, spoken, parted=parted):
+                    denied, drops, joined = one
+                    # "Go home, no to the office" may mean "no, to the office".
+                    plainly = drops or (
+                        (parted or self._not_follows) if leads else not self._answers(denial)
+                    )
+                    wanted = _CLAUSE_END.sub("", rest[:1]) + rest[1:]
+                    joined = leads and (joined or _tokens(rest, self._spaced)[:1] in self._pairs)
+                    yield Contrast(denied, wanted.strip(), joined, plainly)
+
+    def _answers(self, text: str) -> bool:
+        """True if a text begins with a word that is an answer as well: "no", "don't"."""
+        words = _tokens(text, self._spaced)
+        return any(words[:size] in self._nos for size in range(1, _MOST_DENYING))
+
+    def _denial(
+        self, text: str, spoken: Mapping[str, str], *, parted: bool
+    ) -> tuple[frozenset[str], bool, bool] | None:
+        """What a text denies, whether it drops it, and whether it ends with an "and".
+
+        None for a text that says anything more.
+        """
+        clauses = [[p for p in one if p not in _QUIET] for one in self._naming(text, spoken)]
+        said = [[p for p in one if p is not _AnswerPart.AND] for one in clauses]
+        kinds = {part for one in said for part in one if part in _DENYING}
+        if len(kinds) != 1 or not all(self._is_denial(one, parted=parted) for one in said if one):
+            return None
+        denied = frozenset(one.value for clause in said for one in _values(tuple(clause)))
+        return denied, _AnswerPart.DROP in kinds, clauses[-1][-1:] == [_AnswerPart.AND]
+
+    def _is_denial(self, clause: Sequence[_Found], *, parted: bool) -> bool:
+        """True for a negation and what it denies, in the order of the language.
+
+        Before a mark a negation may stand last as well: "die Küche nicht, ...".
+        """
+        names = [isinstance(part, _Value) for part in clause]
+        leads = not self._not_follows and names == [False, *names[1:]] and all(names[1:])
+        follows = (
+            (self._not_follows or parted) and names == [*names[:-1], False] and all(names[:-1])
+        )
+        return len(names) > 1 and (leads or follows)
+
+    def without_instead(self, text: str) -> str:
+        """The text without an "instead" at its end."""
+        pieces = self._pieces(text)
+        ends = (
+            (self._space.join(pieces[:at]), self._space.join(pieces[at:]))
+            for at in range(1, len(pieces))
+        )
+        return next((rest for rest, end in ends if self._is_taking_back(end)), text)
+
+    def named(self, text: str, spoken: Mapping[str, str]) -> frozenset[str]:
+        """The words of arguments in a text that names them and denies nothing; else empty."""
+        clauses = self._naming(text, spoken)
+        denies = any(part in _DENYING or part is Answer.NO for one in clauses for part in one)
+        return frozenset(one.value for clause in clauses if not denies for one in _values(clause))
 
     def _naming(self, text: str, spoken: Mapping[str, str]) -> Sequence[_Clause]:
         words: _Phrases = {
@@ -215,13 +326,32 @@ class Answers:
             for said, word in spoken.items()
             for form in _forms(said, self._spaced)
         }
-        return self._clauses(text, {**self._corrections, **words})
+        clauses = self._clauses(text, {**self._corrections, **words})
+        # "Do not forget the kitchen" denies the opposite of what each of its words does.
+        return () if any(_DENYING.issubset(one) for one in clauses) else clauses
+
+    def _negated(self, clause: _Clause) -> set[str]:
+        """The values that a clause denies, each beside its negation.
+
+        Of two the language tells which: "not the kitchen", "mutfak değil".
+        """
+        plain = [part for part in clause if part is not _AnswerPart.POLITE]
+        found = set()
+        for at, part in enumerate(plain):
+            if part in _DENYING or (part is Answer.NO and at > 0):
+                before, after = _values(tuple(plain[:at])), _values(tuple(plain[at:]))
+                beside = (
+                    (before[-1:] or after[:1]) if self._not_follows else (after[:1] or before[-1:])
+                )
+                both = _AnswerPart.AND in plain[at:]
+                found |= {one.value for one in (after if both and after else beside)}
+        return found
 
     def numbers(self, text: str, *, taken_back: bool = False) -> tuple[str, ...]:
         """The numbers of a correction, as digits in their order; empty if it is no correction."""
         said: _Phrases = {(n,): _Value(n) for n in _NUMBER.findall(text)}
         clauses = self._clauses(text, {**self._corrections, **said})
-        if any(map(_negated, clauses)) or not (taken_back or any(map(_says_no, clauses))):
+        if any(map(self._negated, clauses)) or not (taken_back or any(map(_says_no, clauses))):
             return ()
         return tuple(one.value for clause in clauses for one in _values(clause))
 
@@ -333,6 +463,11 @@ def _parts(tokens: Sequence[str], phrases: _Phrases) -> _Clause:
     return rest[0] or ()
 
 
+def clause_ends(text: str) -> list[int]:
+    """Where clauses of a text end, behind their marks."""
+    return [end.end() for end in _CLAUSE_END.finditer(text)]
+
+
 def _values(clause: _Clause) -> list[_Value]:
     return [part for part in clause if isinstance(part, _Value)]
 
@@ -340,20 +475,9 @@ def _values(clause: _Clause) -> list[_Value]:
 def _says_no(clause: _Clause) -> bool:
     """True if the clause takes back an earlier sentence, not its own words."""
     plain = [part for part in clause if part is not _AnswerPart.POLITE]
-    alone = not _values(clause) and not {Answer.NO, _AnswerPart.NOT}.isdisjoint(plain)
+    alone = not _values(clause) and not {Answer.NO, *_DENYING}.isdisjoint(plain)
     instead = _AnswerPart.INSTEAD in (*plain[:1], *plain[-1:])
     return bool(plain) and (alone or instead or plain[0] is Answer.NO)
-
-
-def _negated(clause: _Clause) -> set[str]:
-    """The values that the clause denies: before a negation, or after it if none is before."""
-    plain = [part for part in clause if part is not _AnswerPart.POLITE]
-    found = set()
-    for at, part in enumerate(plain):
-        if part is _AnswerPart.NOT or (part is Answer.NO and at > 0):
-            near = _values(tuple(plain[:at]))[-1:] or _values(tuple(plain[at:]))[:1]
-            found |= {one.value for one in near}
-    return found
 
 
 _IT = "it"
@@ -395,7 +519,7 @@ def denies(call: Call, one: Skill, text: str, answers: Answers, book: Phrasebook
     """True if the text only says that a value of the call is not wanted: "not the kitchen"."""
     if not answers.may_correct(text):
         return False
-    spoken = ((name, book.heard(choices)) for name, choices in one.choices.items())
+    spoken = ((name, _heard(choices, book, text)) for name, choices in one.choices.items())
     return any(answers.denies(text, said, str(call.arguments.get(name))) for name, said in spoken)
 
 
@@ -405,8 +529,40 @@ def _words(
     """Each argument that the text could correct, with its new value."""
     found: list[Mapping[str, Any]] = []
     for name, choices in one.choices.items():
-        spoken = {said: word for said, word in book.heard(choices).items() if word != _IT}
+        spoken = _heard(choices, book, text)
         meant = str(call.arguments.get(name))
         value = answers.value(text, spoken, meant, taken_back=taken_back)
         found += [{name: value}] if value else []
     return found
+
+
+def known_words(skills: Iterable[Skill], book: Phrasebook, text: str) -> Mapping[str, str]:
+    """What may be said for the words of the arguments of these skills, as `text` may say it."""
+    known = (choices for one in skills for choices in one.choices.values())
+    return {said: word for one in known for said, word in _heard(one, book, text).items()}
+
+
+def _heard(choices: OneOf, book: Phrasebook, text: str) -> Mapping[str, str]:
+    """Each spoken form of a word, and each inflected one in the text: "вместо кухни"."""
+    spoken = {said: word for said, word in book.heard(choices).items() if word != _IT}
+    if not book.fallback or not book.hearing.spaced:
+        return spoken
+    keys = {key(said): word for said, word in spoken.items()}
+    found = dict(spoken)
+    small = frozenset(map(key, (*book.answers.little, *book.answers.polite, book.hearing.pair)))
+    for said in _windows(text, small):
+        plain = key(said)
+        meant = {word for one, word in keys.items() if is_same_name(plain, one, inflected=True)}
+        if plain not in keys and len(meant) == 1:
+            found[said] = meant.pop()
+    return found
+
+
+def _windows(text: str, small: frozenset[str]) -> Iterator[str]:
+    """Each row of a few words of one clause, without small ones at its ends."""
+    for tokens in _clause_tokens(text, spaced=True):
+        for size in range(1, _MOST_NAME_WORDS + 1):
+            for start in range(len(tokens) - size + 1):
+                row = tokens[start : start + size]
+                if small.isdisjoint(map(key, (row[0], row[-1]))):
+                    yield " ".join(row)

@@ -101,7 +101,8 @@ def _quoted(words: str) -> str:
 
 
 CAN = "what_can_you_do"
-QUESTIONS = ("what_are_you_doing", "why_did_you", "what_did_you_hear", CAN)
+DOING = "what_are_you_doing"
+QUESTIONS = (DOING, "why_did_you", "what_did_you_hear", CAN)
 OTHER = "the_other"
 REFERENCES = ("again", BACK, "further", OTHER)
 ALSO = "this_one_too"
@@ -245,7 +246,7 @@ def _only_tells(one: Skill) -> bool:
 
 def _question(name: str, answers: DialogueAnswers) -> Skill:
     asked: Mapping[str, Callable[[], str]] = {
-        "what_are_you_doing": answers.doing,
+        DOING: answers.doing,
         "why_did_you": answers.why,
         "what_did_you_hear": answers.heard,
         CAN: lambda: answers.can()[0],

@@ -250,7 +250,7 @@ class Interpreter:
     def _said_instead(self, text: str, turn: Turn) -> Meaning | None:
         """The plain command among the other hypotheses; None for words that deny or put off."""
         found = likeliest(turn.others, self.plain)
-        return None if found is None or self._is_held_back(text) else found
+        return None if found is None or self.is_held_back(text) else found
 
     def _sounds_like(self, text: str, turn: Turn) -> Meaning | None:
         """The command that meaningless spoken words sound like.
@@ -271,7 +271,7 @@ class Interpreter:
                 continue
             heard = near.heard.confidence >= HEARD_FROM
             # Words that were heard well are what was said, unless they are hardly more than a name.
-            if near.likely or not heard or (near.alone and not self._is_held_back(text)):
+            if near.likely or not heard or (near.alone and not self.is_held_back(text)):
                 sure = near.sure and not near.alone
                 return Meaning(agent, (near.call,), "reading", 1.0 if sure else ASK_FROM)
         return None
@@ -281,7 +281,7 @@ class Interpreter:
         against = self._readings[agent.name].objections
         return not frozenset().union(*map(against, heard)) <= against(words)
 
-    def _is_held_back(self, text: str) -> bool:
+    def is_held_back(self, text: str) -> bool:
         """True if these words say that they are no order, or not for now."""
         for readings in (self._readings[agent.name] for agent in self._active_first()):
             judged = readings.of(text)

@@ -106,7 +106,8 @@ class Meaning:
 
     def heard(self, confidence: float) -> "Meaning":
         """The meaning of words with this recognition confidence; unsure if the product is low."""
-        if self.confidence * confidence >= HEARD_FROM:
+        unsure_anyway = confidence >= HEARD_FROM and not self.sure
+        if self.confidence * confidence >= HEARD_FROM or unsure_anyway:
             return self
         return replace(self, confidence=min(self.confidence, ASK_FROM))
 

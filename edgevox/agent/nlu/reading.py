@@ -158,7 +158,10 @@ class CallReader:
     def _take_back(self, tokens: Words, names: Sequence[Name]) -> tuple[list[Name], bool]:
         """The names that were not taken back ("the office, no, the bedroom"), and a denial."""
         denied = self._negations.places(tokens) - self._courtesies.places(tokens)
-        correcting = self._corrections.places(tokens)
+        long = (
+            range(at, at + len(one)) for at, one in self._negations.find(tokens) if len(one) > 1
+        )
+        correcting = self._corrections.places(tokens).difference(*long)  # "instead" of "instead of"
         kept = list(names)
         allowed: set[int] = set()
         for first, second in itertools.pairwise(names):
@@ -167,6 +170,8 @@ class CallReader:
             between = range(first.end, second.start)
             before = set(range(max(0, first.start - 3), first.start))
             if self._denies_behind(tokens, between):
+                return kept, True
+            if before & denied and self._denies_both(tokens, between, denied - correcting):
                 return kept, True
             if correcting.intersection(between) or before & denied:
                 kept.remove(first)
@@ -181,6 +186,14 @@ class CallReader:
         first = min(said, default=0)
         opens = not parted.isdisjoint((first - 1, first))
         return bool(said) and opens and max(said) > max(marks, default=-1)
+
+    def _denies_both(self, tokens: Words, between: range, denied: frozenset[int]) -> bool:
+        """True if what is between two names denies the second as the first: "not to A and to B"."""
+        marks = [at for at in between if is_mark(tokens[at])]
+        again = denied.intersection(range(max(marks, default=between.start - 1) + 1, between.stop))
+        pair = self._lexicon.book.hearing.pair
+        follows = self._lexicon.book.hearing.denials_follow
+        return (bool(again) and not follows) or any(tokens[at] == pair for at in between)
 
     def _corrected(self, tokens: Words, numbers: Sequence[Number]) -> list[Number]:
         """The numbers that the next one does not correct: "90 degrees, make that 60"."""

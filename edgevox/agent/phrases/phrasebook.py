@@ -156,6 +156,7 @@ class AnswerWords:
     yes: tuple[str, ...] = ()
     no: tuple[str, ...] = ()
     not_: tuple[str, ...] = ()
+    drop: tuple[str, ...] = ()
     polite: tuple[str, ...] = ()
     little: tuple[str, ...] = ()
     instead: tuple[str, ...] = ()
@@ -378,6 +379,15 @@ class Phrasebook:
             return self.say("shall_i", actions=self.say("and_then").join(actions))
         told = (self.acknowledge(one, a) or one.description for one, a in calls)
         return self.say("do_this", told=" ".join(told))
+
+    def announcement(self, calls: Sequence[tuple[Skill, Mapping[str, Any]]]) -> str:
+        """Says that these calls will be done: "I will go to the kitchen."."""
+        actions = [self.action(one, arguments) for one, arguments in calls]
+        if all(actions):
+            return self.say("announced", actions=self.say("and_then").join(actions))
+        return " ".join(
+            self.acknowledge(one, a) or as_sentence(one.description) for one, a in calls
+        )
 
     def failure(self, reason: Reason) -> str:
         """The sentence for a call that failed for this reason."""

@@ -10,7 +10,7 @@ import difflib
 import json
 import threading
 from collections import Counter
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from datetime import datetime
 from pathlib import Path
@@ -29,6 +29,7 @@ from edgevox.agent.policy.policy import (
     load_policy,
     local_time,
 )
+from edgevox.agent.skills import Skill
 from edgevox.agent.text.same_name import name_form, names_meant
 from edgevox.core.agent_events import GoalRejected
 from edgevox.core.bus import Bus
@@ -184,15 +185,16 @@ class Guard:
     ) -> None:
         """Raise `Denied` if one of these calls is refused; count and report the refusal.
 
-        Otherwise raise `NeedsConfirmation` if one needs a yes and they are not `confirmed`. A
-        caller that cannot ask must pass that exception to `refuse`.
+        Otherwise raise `NeedsConfirmation`, by the strictest rule, if one needs a yes or a
+        countdown and they are not `confirmed`. A caller that cannot ask must pass that exception
+        to `refuse`.
         """
         unsure: NeedsConfirmation | None = None
         for one in calls:
             try:
                 self.judge(way, one)
             except NeedsConfirmation as found:
-                unsure = unsure or found
+                unsure = found if unsure is None or found.rule is Rule.CONFIRM else unsure
             except Denied as denied:
                 self.refuse(denied, turn)
                 raise
@@ -217,8 +219,8 @@ class Guard:
         )
         if verdict.rule is Rule.DENY:
             raise Denied(verdict.reason, way, call.skill, call.arguments)
-        if verdict.rule is Rule.CONFIRM:
-            raise NeedsConfirmation(verdict.reason, way, call.skill, call.arguments)
+        if verdict.rule is not Rule.ALLOW:
+            raise NeedsConfirmation(verdict.rule, verdict.reason, way, call.skill, call.arguments)
 
     def permit(
         self, way: Way, calls: Sequence[CheckedCall], turn: int = 0, *, confirmed: bool = False
@@ -314,7 +316,12 @@ def _rejected(denied: Denied, turn: int) -> GoalRejected:
     return GoalRejected(denied.skill, arguments, denied.reason, way=str(denied.way), turn=turn)
 
 
-_DONE = {Rule.ALLOW: "is done", Rule.CONFIRM: "is done after a yes", Rule.DENY: "is refused"}
+_DONE = {
+    Rule.ALLOW: "is done",
+    Rule.COUNTDOWN: "is said, and done a second later unless told no",
+    Rule.CONFIRM: "is done after a yes",
+    Rule.DENY: "is refused",
+}
 
 
 def explain(file: PolicyFile) -> list[str]:
@@ -346,8 +353,8 @@ def _exceptions(rules: Mapping[str, Rule], way: Way) -> Iterator[str]:
 
 
 def _done(rule: Rule, way: Way) -> str:
-    if rule is Rule.CONFIRM and not way.attended:
-        return "is refused (confirm, and nobody can be asked)"
+    if rule in (Rule.COUNTDOWN, Rule.CONFIRM) and not way.attended:
+        return f"is refused ({rule}, and nobody can be asked)"
     return _DONE[rule]
 
 
@@ -444,6 +451,23 @@ def unknown_names(
         if not around.place_meant(one)
         and not names_meant(one, {name: name for name in own})
         and not (one not in (places.only or ()) and names_meant(one, taught))
+    ]
+
+
+def asked_instead(file: PolicyFile, skills: Iterable[Skill]) -> list[str]:
+    """A sentence for each skill of the file's countdowns that cannot be undone, so that it asks."""
+    counted = {
+        name
+        for one in file.rules.values()
+        for name, rule in one.items()
+        if Rule(rule) is Rule.COUNTDOWN
+    }
+    return [
+        f"{one.name}: cannot be undone, so that `countdown` asks for a yes"
+        for one in skills
+        if (one.drives or one.lasting)
+        and not one.undoable
+        and any(name_form(one.name) == name_form(n) for n in counted)
     ]
 
 

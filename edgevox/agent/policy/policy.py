@@ -26,9 +26,13 @@ from edgevox.core.reason import NO_REASON, Reason
 
 
 class Rule(StrEnum):
-    """Rules for a request, from mild to strict: do it, do it after a yes, refuse it."""
+    """Rules for a request, from mild to strict.
+
+    Do it, say it and do it unless a person says no, do it after a yes, refuse it.
+    """
 
     ALLOW = "allow"
+    COUNTDOWN = "countdown"
     CONFIRM = "confirm"
     DENY = "deny"
 
@@ -54,10 +58,14 @@ class Denied(SkillFailed):
 
 
 class NeedsConfirmation(Denied):
-    """The policy wants a yes first, and a person can be asked.
+    """The policy wants a yes or a countdown first (`rule`), and a person can be asked.
 
     A caller that cannot ask must refuse the request, as for any other `Denied`.
     """
+
+    def __init__(self, rule: Rule, *refused: Any) -> None:
+        super().__init__(*refused)
+        self.rule = rule
 
 
 ANY = "*"
@@ -79,7 +87,7 @@ WayName = Literal[
 ]
 """The names of all `Way`s, and `*` for all of them."""
 SkillName = Annotated[str, StringConstraints(pattern=r"^(\*|[A-Za-z_][A-Za-z0-9_]*)$")]
-RuleWord = Literal["allow", "confirm", "deny"]
+RuleWord = Literal["allow", "countdown", "confirm", "deny"]
 
 
 def _of_all_skills(value: Any) -> Any:
@@ -100,9 +108,9 @@ class PolicyFile(PolicyPart):
     about: str = Field("", max_length=500, description="its purpose, in a sentence")
     rules: dict[WayName, SkillRules] = Field(
         default_factory=dict,
-        description="by way in and skill: allow, confirm or deny; a single word applies to every "
-        "skill. The skill under its way comes first; then the stricter of the way's `*` and the "
-        "skill under `*`; then `*` under `*`; all other skills are allowed. For "
+        description="by way in and skill: allow, countdown, confirm or deny; a single word applies "
+        "to every skill. The skill under its way comes first; then the stricter of the way's `*` "
+        "and the skill under `*`; then `*` under `*`; all other skills are allowed. For "
         "voice_guest the stricter of its own rule and of voice's",
     )
     limits: PolicyLimits = Field(
@@ -223,7 +231,8 @@ class Policy:
             return ALLOWED
         if not way.attended:
             return Verdict(Rule.DENY, because("needs_a_person", way=way, skill=skill))
-        return Verdict(Rule.CONFIRM, because("needs_confirmation", way=way, skill=skill))
+        asks = Rule.CONFIRM if confirm else rule
+        return Verdict(asks, because("needs_confirmation", way=way, skill=skill))
 
     def steered(self, now: datetime | None = None, way: Way = Way.CMD_VEL) -> Reason:
         """The reason against steering by velocities now; empty if it is allowed.
@@ -250,7 +259,7 @@ def _steering_by(way: Way, rule: Rule) -> Reason:
     match rule:
         case Rule.DENY:
             return because("policy_denied", way=way, skill=VELOCITY)
-        case Rule.CONFIRM:
+        case Rule.COUNTDOWN | Rule.CONFIRM:
             return because("needs_a_person", way=way, skill=VELOCITY)
     return NO_REASON
 

@@ -228,6 +228,9 @@ class Skill:
     lasting: bool = False
     """True if it changes something for good, for example forgets a place: the robot then asks first
     unless it was plainly said."""
+    undoable: bool = False
+    """True if it leaves nothing changed that a person could not take back by word, such as where
+    the robot stands: a policy may then count down instead of asking."""
     entry: str = ""
     """Its entry in the phrasebooks, if several bodies have a skill of this name and people ask for
     it in different ways. A language without that entry uses the one with the skill's name."""
@@ -315,6 +318,7 @@ def skill(
     relative: bool = False,
     towards_rad: float = 0.0,
     lasting: bool = False,
+    undoable: bool = False,
     entry: str = "",
     plainly: bool = False,
 ) -> Callable[[Callable[..., Result | None]], Skill]:
@@ -337,6 +341,7 @@ def skill(
             relative=relative,
             towards_rad=towards_rad,
             lasting=lasting,
+            undoable=undoable,
             entry=entry,
             plainly=plainly,
         )

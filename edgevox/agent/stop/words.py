@@ -100,6 +100,16 @@ def find_stop_word(code: str, text: str) -> str | None:
     return None
 
 
+def denies_stop(code: str, text: str, *, begins: bool = False) -> bool:
+    """True if a text says not to stop, and nothing more: "please don't stop".
+
+    More may follow if it only `begins` so: "don't stop until you are there".
+    """
+    if len(text) > MAX_CHARACTERS or find_stop_word(code, text):
+        return False
+    return any(_rules(code).denies(reading, begins=begins) for reading in readings(text))
+
+
 class _Rules:
     """Lookup tables for the stop words of one language and of English."""
 
@@ -132,6 +142,28 @@ class _Rules:
     def _excused(self) -> "_Excused":
         """Innocent phrases: slow to build, and needed only for a text with a stop word."""
         return _Excused(_innocent(self._tables))
+
+    def denies(self, reading: Phrase, *, begins: bool) -> bool:
+        """True if a reading is made of denials of a stop and courtesies around them."""
+        rest, denied = _bare(reading), False
+        while rest:
+            sizes = range(len(rest), 0, -1)
+            denial = next((size for size in sizes if rest[:size] in self._denials), 0)
+            size = denial or next((size for size in sizes if rest[:size] in self._quiet), 0)
+            if not size or (denied and begins):
+                return denied and begins
+            rest, denied = rest[size:], denied or denial > 0
+        return denied
+
+    @cached_property
+    def _denials(self) -> frozenset[tuple[str, ...]]:
+        rows = (_expanded(table, table.denials) for table in self._tables)
+        return frozenset(_bare(phrase) for phrase, _ in chain.from_iterable(rows))
+
+    @cached_property
+    def _quiet(self) -> frozenset[tuple[str, ...]]:
+        rows = (_phrases(table.courtesies) for table in self._tables)
+        return frozenset(map(_bare, chain.from_iterable(rows)))
 
     def find(self, reading: Phrase) -> str | None:
         """The first stop word that counts."""
@@ -294,7 +326,8 @@ def _innocent(tables: Sequence[StopWords]) -> _Innocent:
     """Innocent phrases, each with whether it must end its clause, keyed by their bare words."""
     stops = {_bare(phrase) for table in tables for phrase in _phrases(table.all)}
     index: _Innocent = defaultdict(list)
-    for phrase, must_end in chain.from_iterable(map(_innocent_phrases, tables)):
+    innocent = (_expanded(one, (*one.innocent, *one.denials)) for one in tables)
+    for phrase, must_end in chain.from_iterable(innocent):
         bares = _bare(phrase)
         if bares not in stops:  # "ne {stop}" is none with "bouge plus"
             index[bares].append((phrase, must_end))
@@ -302,10 +335,11 @@ def _innocent(tables: Sequence[StopWords]) -> _Innocent:
 
 
 @lru_cache
-def _innocent_phrases(table: StopWords) -> tuple[tuple[Phrase, bool], ...]:
+def _expanded(table: StopWords, rows: tuple[str, ...]) -> tuple[tuple[Phrase, bool], ...]:
+    """Phrases of a table with each stop word in their slot, and whether each ends its clause."""
     stops = (*_phrases(table.anywhere), *_phrases(table.last))
     found: list[tuple[Phrase, bool]] = []
-    for row in table.innocent:
+    for row in rows:
         written = row.removesuffix(_CLAUSE_END)
         before, slot, after = written.partition("{stop}")
         begins, ends = words(before), words(after)

@@ -8,7 +8,7 @@ from typing import Protocol, runtime_checkable
 from edgevox.agent.phrases.load import phrasebook
 from edgevox.agent.phrases.name_rules import word_meant
 from edgevox.agent.policy import Guard, Policy, PolicyContext
-from edgevox.agent.policy.guard import unknown_names
+from edgevox.agent.policy.guard import asked_instead, unknown_names
 from edgevox.agent.policy.policy import VELOCITY
 from edgevox.agent.skills import Skill, SkillFailed
 from edgevox.agent.skills.skill import OneOf
@@ -61,8 +61,10 @@ def build_guard(settings: Settings, bus: Bus, body: Body | None) -> Guard:
 
 
 def strange_names(guard: Guard, skills: Iterable[Skill]) -> list[str]:
-    """Return a sentence for each name in the policy that a robot with these skills lacks."""
-    return unknown_names(guard.policy.file, known_names(skills), guard.around)
+    """Return a sentence for each name in the policy that has not the effect it seems to have."""
+    skills = list(skills)
+    file = guard.policy.file
+    return unknown_names(file, known_names(skills), guard.around) + asked_instead(file, skills)
 
 
 def log_strange_names(guard: Guard, skills: Iterable[Skill]) -> None:

@@ -7,7 +7,7 @@ from importlib.metadata import EntryPoint
 from pathlib import Path
 from typing import TypeVar
 
-from edgevox.agent.policy.guard import NO_FILE, explain, unknown_names
+from edgevox.agent.policy.guard import NO_FILE, asked_instead, explain, unknown_names
 from edgevox.agent.policy.policy import PolicyFile, local_time, read_policy_file
 from edgevox.apps.agent.policy import known_names, policy_context
 from edgevox.apps.doctor.check import CheckVerdict, Facts, Situation, error, ok, skipped, warning
@@ -127,7 +127,8 @@ def _unknown(policy: PolicyFile, situation: Situation) -> list[str]:
         body = build_body(situation.agent, situation.settings, _IN_THE_HAND)
     except EdgeVoxError:  # what is wrong with it is said elsewhere
         return unknown_names(policy, known_names(()))
-    return unknown_names(policy, known_names(body.skills), policy_context(body))
+    strange = unknown_names(policy, known_names(body.skills), policy_context(body))
+    return strange + asked_instead(policy, body.skills)
 
 
 def _policy_of(settings: Settings) -> PolicyFile | None:

@@ -310,8 +310,9 @@ export function questionCard(store, link) {
     showMoving(card, !open);
     words.textContent = open ? text : "";
   };
-  store.on("talk", (m) => m.kind === "asked" && show(m.text ?? "", m.open !== false));
-  store.on("event", (e) => e.kind === "confirmation" && show(e.question, e.status === "asked"));
+  const told = (/** @type {string} */ text, /** @type {any} */ m) => (m.goes ? `${text} (${m.expires_s} s)` : text);
+  store.on("talk", (m) => m.kind === "asked" && show(told(m.text ?? "", m), m.open !== false));
+  store.on("event", (e) => e.kind === "confirmation" && show(told(e.question, e), e.status === "asked"));
   store.on("hello", () => show("", false));
   return card;
 }

@@ -98,7 +98,7 @@ def _carrying(body: Manipulator) -> tuple[Skill, ...]:
 
 
 def _moving(body: Manipulator) -> tuple[Skill, ...]:
-    @skill(check=_check_point)
+    @skill(check=_check_point, undoable=True)
     def move_to(
         goal: GoalHandle,
         x: Annotated[float, Field(description="metres forward of the arm's base")],
@@ -109,7 +109,7 @@ def _moving(body: Manipulator) -> tuple[Skill, ...]:
         body.move_to(x, y, z, token=goal.token, report=goal.report)
         return body.describe_hand()
 
-    @skill()
+    @skill(undoable=True)
     def goto_home(goal: GoalHandle) -> Result:
         """Move the arm to its home position, out of the way."""
         body.go_home(token=goal.token, report=goal.report)

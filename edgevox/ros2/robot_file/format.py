@@ -229,7 +229,8 @@ class SkillEntry(Step, Sentences):
     """A skill: one step of its own, or a list of `steps` that run in order.
 
     `moves`: the skill uses the body, so it ends other motion, and every stop ends it; by default
-    true for all skills that do more than read. `confirm`: the robot asks for a yes first. A message
+    true for all skills that do more than read. `confirm`: the robot asks for a yes first.
+    `undoable`: a person can take it back by word, so that a policy may count down to it. A message
     of `stops_on` ends the skill or keeps it from starting. `stop` runs if the skill did not finish,
     in addition to the cancel of an action.
     """
@@ -244,6 +245,7 @@ class SkillEntry(Step, Sentences):
     needs: list[Need] = Field(default_factory=list, max_length=MOST_NEEDS)
     moves: bool | None = None
     confirm: bool = False
+    undoable: bool = False
     languages: Annotated[dict[str, Sentences], AfterValidator(_known_languages)] = Field(
         default_factory=dict
     )
@@ -274,6 +276,10 @@ class SkillEntry(Step, Sentences):
             one_way(self, ())
         if self.moves is False and not all(step.read for step in self.every_step):
             _only_short(self)
+        if self.undoable and (self.confirm or not self.uses_the_body):
+            raise wrong(
+                ("undoable",), True, "nothing: only a skill that moves without confirm has it"
+            )
         _only_arguments(self, (), self.arguments)
         for code, said in self.languages.items():
             _only_arguments(said, ("languages", code), self.arguments)

@@ -87,6 +87,7 @@ class DescribedSkill:
             action=entry.asks,
             moves=entry.uses_the_body,
             confirm=entry.confirm,
+            undoable=entry.undoable,
             brief=entry.is_brief,
             phrases=by_code,
         )

@@ -5,10 +5,11 @@ import os
 import threading
 
 import pytest
+from support.body import FakeBody
 from support.clock import HeldClock
 
 from edgevox.agent.policy import CheckedCall, Denied, Guard, NeedsConfirmation, PolicyContext
-from edgevox.agent.policy.guard import NO_FILE, TELL_EVERY_S, PolicyComponent
+from edgevox.agent.policy.guard import NO_FILE, TELL_EVERY_S, PolicyComponent, asked_instead
 from edgevox.apps.agent.policy import build_guard, known_names, policy_context
 from edgevox.core.agent_events import GoalRejected, as_json
 from edgevox.core.bus import Bus
@@ -247,6 +248,14 @@ def test_names_that_the_robot_does_not_know_are_a_warning(file):
         "names that this robot does not know: grap: no such skill; did you mean grasp?, "
         "cellar: no such place"
     )
+
+
+def test_a_countdown_of_what_cannot_be_undone_is_named(file):
+    file.write_text("rules: {voice: {grasp: countdown, navigate_to: countdown, '*': countdown}}")
+    skills = FakeBody().skills("grasp", "navigate_to", "dance", "get_pose")
+    assert asked_instead(Guard(file).policy.file, skills.values()) == [
+        "grasp: cannot be undone, so that `countdown` asks for a yes"
+    ]
 
 
 def test_without_a_file_everything_is_permitted_and_the_status_says_so():

@@ -245,4 +245,4 @@ def test_every_reason_is_said_in_every_language(code):
 
 
 def test_the_rules_are_in_the_order_of_their_strictness():
-    assert list(Rule) == ["allow", "confirm", "deny"]
+    assert list(Rule) == ["allow", "countdown", "confirm", "deny"]

@@ -210,6 +210,11 @@ def test_the_wake_word_is_forgotten_after_a_while(listen):
 class Answers:
     """Awaits an answer all the time, and takes "yes"."""
 
+    begun = 0
+
+    def begins(self):
+        self.begun += 1
+
     def awaits(self, began_s, ended_s):
         return began_s < ended_s
 
@@ -254,7 +259,9 @@ def test_a_longer_sentence_may_follow_only_while_one_is_awaited(listen):
 
 
 def test_nothing_follows_before_anybody_spoke_to_it(listen):
-    said, _, _ = listen(Stt("yes"), *spoken(), wakeword=Wake(), follow_up=Answers())
+    answers = Answers()
+    said, _, _ = listen(Stt("yes"), *spoken(), wakeword=Wake(), follow_up=answers)
+    assert answers.begun == 1
 
     assert words(said) == []
 

@@ -1,0 +1,204 @@
+"""Corrections: what words mean that take something back, in a sentence or in the one before.
+
+"No, the bedroom", "to the kitchen, no, the office", "forget the kitchen, go to the office".
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+
+from edgevox.agent.agents import Agent
+from edgevox.agent.dialogue.acts import (
+    Answers,
+    Contrast,
+    clause_ends,
+    correct,
+    denies,
+    known_words,
+)
+from edgevox.agent.dialogue.memory import LastDrive
+from edgevox.agent.dialogue.question import OpenQuestion
+from edgevox.agent.nlu.interpreter import Interpreter
+from edgevox.agent.nlu.meaning import ASK_FROM, Meaning
+from edgevox.agent.nlu.templates import RefusedCommand
+from edgevox.agent.phrases.phrasebook import Phrasebook
+from edgevox.agent.skills import Call
+from edgevox.agent.stop.words import denies_stop
+from edgevox.core.languages import STOP_WORDS
+
+_First = tuple[Agent, Sequence[Call], Call]
+"""What a correction changes: an agent, its calls, and the one of them that drives."""
+
+
+@dataclass(frozen=True, slots=True)
+class Instead:
+    """What a sentence wants in place of what it takes back."""
+
+    meaning: Meaning | RefusedCommand | None
+    """What it wants; None if that is no plain command."""
+    rest: str
+    """The words that want it."""
+    ends: bool
+    """True if it takes back what the robot last set out to do, or was asked about."""
+    keeps: bool = False
+    """True if it only wants just that: "the kitchen, not the office" on the way to the kitchen."""
+
+
+class Corrections:
+    """Reads corrections, in the interpreter's language. Any thread may ask.
+
+    A correction changes the open question, otherwise the last drive.
+    """
+
+    def __init__(self, interpreter: Interpreter, question: OpenQuestion, last: LastDrive) -> None:
+        self._interpreter = interpreter
+        self._question = question
+        self._last = last
+        self.set_language()
+
+    def set_language(self) -> None:
+        """Read in the interpreter's language from now on."""
+        self.answers = _answers(self._interpreter.phrases)
+
+    def of(self, text: str) -> Meaning | None:
+        """What a correction of the open question or of the last drive means, or None."""
+        first = self._first()
+        return self._changed(text, first, taken_back=False) if first else None
+
+    def denies(self, text: str) -> bool:
+        """True for "not the kitchen", while that is asked about or on the way there."""
+        first = self._first()
+        if first is None:
+            return False
+        agent, _, call = first
+        return denies(call, agent.every_skill[call.skill], text, self.answers, self._book)
+
+    def instead(self, text: str) -> Instead | None:
+        """What a sentence wants that denies something besides, or None for any other sentence."""
+        if not self.answers.may_correct(text):
+            return None
+        skills = self._interpreter.active.every_skill.values()
+        spoken = known_words(skills, self._book, text)
+        found = [*self.answers.contrasts(text, spoken), *self._not_stopping(text)]
+        first = self._first()
+        meant = {str(value) for value in first[2].arguments.values()} if first else set[str]()
+        for one in found:
+            if (read := self._wanted(one)) is not None:
+                return Instead(read, one.rest, bool(meant & one.denied))
+        for one in found:
+            named = self.answers.named(one.rest, spoken)
+            if len(named) == 1 and not one.joined and not named & one.denied:
+                return Instead(None, one.rest, bool(meant & one.denied), keeps=named <= meant)
+        ends = next((one for one in found if meant & one.denied), None)
+        return Instead(None, "" if ends.joined else ends.rest, ends=True) if ends else None
+
+    def _wanted(self, one: Contrast) -> Meaning | RefusedCommand | None:
+        """The plain command beside a denial; None if the denial may be one of it as well."""
+        if one.joined and not one.plainly:
+            return None
+        rest = self.answers.without_instead(one.rest)
+        read, other = self._interpreter.plain(one.rest), self._interpreter.plain(rest)
+        read = read if isinstance(read, Meaning) else other
+        if not isinstance(read, Meaning):
+            return read
+        values = {str(value) for call in read.calls for value in call.arguments.values()}
+        skills = read.agent.every_skill
+        if values & one.denied or any(skills[call.skill].lasting for call in read.calls):
+            return None
+        return read if one.plainly else replace(read, confidence=min(read.confidence, ASK_FROM))
+
+    def _not_stopping(self, text: str) -> Iterator[Contrast]:
+        """The rest of "don't stop, go to the office"."""
+        for end in clause_ends(text):
+            first, last = text[:end].strip(), text[end:].strip()
+            for denial, rest in ((first, last), (last, first)):
+                if rest and denies_stop(self._book.code, denial):
+                    yield Contrast(frozenset(), rest, joined=False, plainly=True)
+
+    def taken_back(self, text: str) -> Meaning | bool:
+        """What a sentence means that takes back its own beginning: "the kitchen, no, the office".
+
+        True if only the beginning can be meant, which nothing is left of; False for any other text.
+        """
+        if isinstance(self._interpreter.plain(text), Meaning):
+            return False
+        for before, after, is_no in self.answers.taken_back(text):
+            plain = self._interpreter.plain(before)
+            meant = plain if isinstance(plain, Meaning) else self.taken_back(before)
+            first = _one_drive(meant) if isinstance(meant, Meaning) else None
+            if first is None:
+                continue
+            right = self._changed(after, first) or self._interpreter.plain(after)
+            if isinstance(right, Meaning):
+                return right
+            if is_no:
+                return True
+        return False
+
+    def after_stop(self, text: str, before: str) -> Meaning | RefusedCommand | None:
+        """What a person wants in place of what was stopped, or of the words `before`."""
+        for ordered, rest, _ in self.answers.taken_back(before):
+            before = before if rest else ordered  # "go to the kitchen, no"
+        plain = self._interpreter.plain(before) if before else None
+        first = _one_drive(plain) if isinstance(plain, Meaning) else self._last_drive()
+        meant = self._changed(text, first) if first else None
+        return meant or self._interpreter.plain(self.answers.after_denial(text) or text)
+
+    def _changed(self, text: str, first: _First, *, taken_back: bool = True) -> Meaning | None:
+        """The calls with another one in place of the drive that the text corrects.
+
+        With `taken_back`, words before the text took it back.
+        """
+        agent, calls, wrong = first
+        skill = agent.every_skill[wrong.skill]
+        right = correct(wrong, skill, text, self.answers, self._book, taken_back=taken_back)
+        rest = text if taken_back else self.answers.after_no(text)
+        right = right or (self._other_way(wrong, agent, rest) if rest else None)
+        if right is None:
+            return None
+        return Meaning(agent, tuple(right if c is wrong else c for c in calls), "template")
+
+    def _other_way(self, wrong: Call, agent: Agent, text: str) -> Call | None:
+        """The call by the same amount the other way: "no, to the right"."""
+        plain = self._interpreter.plain(text)
+        if not isinstance(plain, Meaning) or len(plain.calls) != 1:
+            return None
+        (call,) = plain.calls
+        skills = agent.every_skill
+        if call.skill == wrong.skill or call.arguments or call.skill not in skills:
+            return None
+        one, other = skills[call.skill], skills[wrong.skill]
+        same = one.arguments_model.model_fields.keys() == other.arguments_model.model_fields.keys()
+        return (
+            Call(call.skill, wrong.arguments) if one.relative and other.relative and same else None
+        )
+
+    def _first(self) -> _First | None:
+        asked = self._question.asked
+        return _one_drive(asked.meaning) if asked else self._last_drive()
+
+    def _last_drive(self) -> _First | None:
+        drive = self._last.corrigible
+        return (drive.agent, (drive.call,), drive.call) if drive else None
+
+    @property
+    def _book(self) -> Phrasebook:
+        return self._interpreter.phrases
+
+
+def _one_drive(meaning: Meaning) -> _First | None:
+    """What could be corrected in a meaning; None if not just one of its calls drives."""
+    skills = meaning.agent.every_skill
+    driving = [call for call in meaning.calls if skills[call.skill].drives]
+    return (meaning.agent, meaning.calls, driving[0]) if len(driving) == 1 else None
+
+
+def _answers(book: Phrasebook) -> Answers:
+    books = (book, book.fallback) if book.fallback else (book,)
+    hesitant = [word for one in books for word in STOP_WORDS[one.code].hesitant]
+    return Answers(
+        [one.answers for one in books],
+        spaced=book.hearing.spaced,
+        hesitant=hesitant,
+        pairs=[one.hearing.pair for one in books],
+        follows=book.hearing.denials_follow,
+    )
