@@ -17,7 +17,7 @@ from edgevox.core.commands import (
     Transcribing,
 )
 from edgevox.core.errors import EdgeVoxError
-from edgevox.core.events import Cause, WakeWordHeard
+from edgevox.core.events import Cause, UtteranceHeard, WakeWordHeard
 from edgevox.core.log import get_logger, worth_a_line
 from edgevox.core.settings import Echo
 from edgevox.core.speech import Ending, FollowUp
@@ -34,6 +34,7 @@ from edgevox.voice.audio import (
 from edgevox.voice.echo.canceller import VoiceOverEcho, open_echo
 from edgevox.voice.echo.gate import Unechoed
 from edgevox.voice.echo.played import PlayedSound
+from edgevox.voice.noise_floor import NoiseFloor
 from edgevox.voice.stop_spotter.detector import StopDetector, StopWatch
 from edgevox.voice.stt.speech_to_text import SpeechToText
 from edgevox.voice.transcriber import Transcriber, TranscriptionJob
@@ -101,7 +102,7 @@ class Listener:
         stt: Turns utterances into words.
         stop_stt: Turns unaddressed utterances into words; `stt` by default.
         submit: Takes each command; its errors are logged and counted.
-        bus: Gets `WakeWordHeard` and the sound level.
+        bus: Gets `WakeWordHeard`, `UtteranceHeard` and the sound level.
         language: The ISO 639-1 code of the language that is spoken now.
         muted: While True, nothing is heard and no level is published.
         audible: How loud the robot itself plays now, root mean square, 0 to 1.
@@ -153,6 +154,7 @@ class Listener:
         self._clock = clock or SystemClock()
         self._meter = LevelMeter(bus.publish)
         self._echo = open_echo(echo, audible, played)
+        self._noise = NoiseFloor()
         self._endpointer = Endpointer()
         self._wake_gate = WakeGate()
         self._stops = stop_detector and StopWatch(stop_detector, saying=saying, language=language)
@@ -275,6 +277,8 @@ class Listener:
         self._listen_for_wake_word(clean, probability)
         self._wait_as_long_as_words_want()
         words = Frame(sound.words, frame.end_s)
+        if not self._echo.playing:
+            self._noise.push(sound.words, self._voices.any_voice)
         match self._endpointer.push(words, probability, surmised=surmised):
             case SpeechBegan(began_s=began_s):
                 self._speak_over(began_s)
@@ -296,6 +300,7 @@ class Listener:
         job = self._job(speech)
         if not job or (job.unaddressed and not job.awaited):
             return
+        self._tell_heard(speech)
         if self._transcriber.guess(job) and self._judges:
             self._endpointer.end_after(ENDS_AFTER_S[Ending.OPEN])
 
@@ -364,6 +369,8 @@ class Listener:
         job = self._job(speech)
         if job is None:
             return
+        if not job.unaddressed or job.awaited:
+            self._tell_heard(speech)
         if self._wakeword is not None and not job.unaddressed:
             self._person_db = loudness_db(speech.samples)
             if not self._is_pressed(speech.began_s):
@@ -390,6 +397,18 @@ class Listener:
                     awaited=awaited,
                 )
         return None
+
+    def _tell_heard(self, speech: SpeechEnded | SpeechPaused) -> None:
+        floor_db = self._noise.floor_db
+        self._bus.publish(
+            UtteranceHeard(
+                speech.began_s,
+                speech.ended_s,
+                0.0 if floor_db is None else loudness_db(speech.samples) - floor_db,
+                self._wake_gate.woken_for(speech),
+                asked=self._follow_up is not None and self._follow_up.asked(speech.ended_s),
+            )
+        )
 
     def _awaits(self, speech: SpeechEnded | SpeechPaused) -> bool:
         """Return whether it may be a follow-up: at its time, and as loud as the person before."""

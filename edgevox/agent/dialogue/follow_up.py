@@ -49,9 +49,13 @@ class FollowUps:
         """See `FollowUp.awaits`."""
         if not self._within_s:
             return False
-        if self._asked and self._question.is_answered_at(ended_s):
+        if self.asked(ended_s):
             return True
         return self._answered_s <= began_s <= self._answered_s + self._within_s
+
+    def asked(self, ended_s: float) -> bool:
+        """See `FollowUp.asked`."""
+        return self._asked and self._question.is_answered_at(ended_s)
 
     def takes(self, text: str, confidence: float, began_s: float, ended_s: float) -> bool:
         """See `FollowUp.takes`."""

@@ -1,5 +1,6 @@
 """The listener with everything around it scripted: a voice is a frame whose samples are 8000."""
 
+import math
 import threading
 
 import pytest
@@ -8,7 +9,7 @@ from voice_script import BUTTON, VOICE, WAKE, Refuses, Script, Stt, Vad, Wake, s
 from edgevox.core.bus import Bus
 from edgevox.core.commands import Heard, Interrupt, SpokenOver, Transcribing
 from edgevox.core.errors import EdgeVoxError
-from edgevox.core.events import AudioLevel, Cause, WakeWordHeard
+from edgevox.core.events import AudioLevel, Cause, UtteranceHeard, WakeWordHeard
 from edgevox.voice.audio import FRAME_S
 from edgevox.voice.listener import Listener
 from edgevox.voice.utterance_end import ONSET_FRAMES
@@ -19,9 +20,16 @@ def listen():
     running = []
 
     def run(
-        stt, *steps, wakeword=None, audible=lambda: 0.0, muted=lambda: False, said=None, **more
+        stt,
+        *steps,
+        wakeword=None,
+        audible=lambda: 0.0,
+        muted=lambda: False,
+        said=None,
+        bus=None,
+        **more,
     ):
-        bus, said, events = Bus(), [] if said is None else said, []
+        bus, said, events = bus or Bus(), [] if said is None else said, []
         bus.subscribe(AudioLevel, events.append)
         bus.subscribe(WakeWordHeard, events.append)
         listener = Listener(
@@ -212,6 +220,9 @@ class Answers:
 
     def awaits(self, began_s, ended_s):
         return began_s < ended_s
+
+    def asked(self, ended_s):
+        return True
 
     def takes(self, text, confidence, began_s, ended_s):
         return text == "yes"
@@ -436,3 +447,33 @@ def test_a_word_that_cannot_be_told_costs_no_utterance(listen, caplog):
 
     assert words(said) == ["wait"]
     assert "command_untaken" in caplog.text
+
+
+def test_how_well_an_utterance_is_heard_is_told_before_its_words_are_known(listen):
+    told = []
+    bus = Bus()
+    bus.subscribe(UtteranceHeard, told.append)
+
+    class Slow(Stt):
+        def transcribe(self, samples, language):
+            assert told, "before anybody looks for words"
+            return super().transcribe(samples, language)
+
+    listen(Slow("yes"), *[80] * 40, *spoken(), bus=bus, follow_up=Answers())
+
+    assert all(one.began_s == pytest.approx(40 * FRAME_S) for one in told)
+    assert told[-1].ended_s == pytest.approx(60 * FRAME_S)
+    assert told[-1].stands_out_db == pytest.approx(20 * math.log10(VOICE / 80), abs=0.5)
+    assert told[-1].woken_s is None
+    assert told[-1].asked
+
+
+def test_speech_without_the_wake_word_is_claimed_only_if_it_may_be_an_answer(listen):
+    told = []
+    bus = Bus()
+    bus.subscribe(UtteranceHeard, told.append)
+
+    listen(Stt("we had lunch", "go"), *spoken(), *ADDRESSED, wakeword=Wake(), bus=bus)
+
+    assert told
+    assert all(one.woken_s == pytest.approx(71 * FRAME_S) for one in told)
