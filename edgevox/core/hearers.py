@@ -42,7 +42,7 @@ HELD_UP_S = 3 * BEAT_S
 GONE_BEATS = 6
 """Beats after which a robot whose claims have ceased decides nothing more."""
 NAME_BEATS = 6
-"""Beats for which the best waits for the others' words, which may have a name that it missed."""
+"""Beats for which the best waits for the others' words, if it may have misheard a name."""
 PRESENT_BEATS = 4 * IDLE_BEATS
 """Beats after which a robot that says nothing has left the group."""
 PATIENCE_BEATS = 50
@@ -165,6 +165,8 @@ class _Utterance:
     """Whether it is known how well it was heard."""
     words_beat: int | None = None
     words_s: float = 0.0
+    doubted: bool = False
+    """Whether its words may hold a name that was misheard."""
     then: "Callable[[str], None] | None" = None
     decided_beat: int | None = None
 
@@ -226,6 +228,7 @@ class Hearers:
             names = {self._me.id: self._me.name}
             names |= {key: robot.name for key, robot in self._robots.items()}
             one.claim = replace(one.claim, words=True, named=named_in(heard.text, names))
+            one.doubted = bool(named_in(heard.text, names, MAY_BE))
             settled = self._decide()
             told = self._messages([one])
         self._send(told)
@@ -423,7 +426,8 @@ class Hearers:
         named = [claim.named for claim in by_rank if claim.id in here and claim.named in known]
         if called := one.claim.named or (named[-1] if named else ""):
             return called
-        if waited < NAME_BEATS and not all(claim.words for claim in here.values()):
+        unheard = not all(claim.words for claim in here.values())
+        if one.doubted and unheard and waited < NAME_BEATS:
             return None
         return self._me.id
 
@@ -446,20 +450,22 @@ _WORD = re.compile(r"[\w']+")
 _CLAUSE_END = re.compile(r"[,.;:!?\u3001\u3002\uff0c\uff01\uff1f\u060c\u061f\u0964]")
 ALIKE = 0.75
 """The likeness, 0 to 1, from which words are a name: "Rosee" is Rosie."""
+MAY_BE = 0.5
+"""The likeness from which words may be a name that was misheard: "Rosy" for Rosie."""
 EXACT_TO = 3
 """A name of so few letters must be heard exactly."""
 
 
-def named_in(text: str, names: Mapping[str, str]) -> str:
+def named_in(text: str, names: Mapping[str, str], alike: float = ALIKE) -> str:
     """The key of the name that the text calls at its beginning or end; empty if there is none."""
-    called = {key: _called(text, name) for key, name in names.items()}
+    called = {key: _called(text, name, alike) for key, name in names.items()}
     found = {key: one[0] for key, one in called.items() if one}
     return max(found, key=lambda key: (found[key], key), default="")
 
 
 def without_name(text: str, name: str) -> str:
     """The text without the name that it calls; the whole text if nothing is left."""
-    called = _called(text, name)
+    called = _called(text, name, ALIKE)
     if called is None:
         return text
     _, start, end = called
@@ -471,7 +477,7 @@ def without_name(text: str, name: str) -> str:
     return rest if _WORD.search(rest) else text
 
 
-def _called(text: str, name: str) -> tuple[float, int, int] | None:
+def _called(text: str, name: str, alike: float) -> tuple[float, int, int] | None:
     """How like the name the words are that call it, and where they stand; None if none do.
 
     The text begins with the name, or its first clause ends with it ("hey Rosie, go"), or it ends
@@ -491,7 +497,7 @@ def _called(text: str, name: str) -> tuple[float, int, int] | None:
         if size < len(first) <= size + 1:
             found.append((_likeness(first[-size:], wanted), 0, first[-1].end()))
     best = max(found)
-    needed = 1.0 if len(wanted) <= EXACT_TO else ALIKE
+    needed = 1.0 if len(wanted) <= EXACT_TO else alike
     return best if best[0] >= needed else None
 
 

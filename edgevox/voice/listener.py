@@ -34,7 +34,7 @@ from edgevox.voice.audio import (
 from edgevox.voice.echo.canceller import VoiceOverEcho, open_echo
 from edgevox.voice.echo.gate import Unechoed
 from edgevox.voice.echo.played import PlayedSound
-from edgevox.voice.noise_floor import NoiseFloor
+from edgevox.voice.noise_floor import NoiseFloor, speech_db
 from edgevox.voice.stop_spotter.detector import StopDetector, StopWatch
 from edgevox.voice.stt.speech_to_text import SpeechToText
 from edgevox.voice.transcriber import Transcriber, TranscriptionJob
@@ -404,7 +404,7 @@ class Listener:
             UtteranceHeard(
                 speech.began_s,
                 speech.ended_s,
-                0.0 if floor_db is None else loudness_db(speech.samples) - floor_db,
+                0.0 if floor_db is None else speech_db(speech.samples) - floor_db,
                 self._wake_gate.woken_for(speech),
                 asked=self._follow_up is not None and self._follow_up.asked(speech.ended_s),
             )

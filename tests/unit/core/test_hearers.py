@@ -154,13 +154,21 @@ def test_the_robot_that_is_named_answers_however_well_it_hears(text):
     assert [told[0][0] for told in site.settled.values()] == ["", "Rosie", "Rosie"]
 
 
-def test_a_name_that_only_the_named_robot_heard_counts():
+def test_where_a_name_may_have_been_misheard_the_named_robots_own_words_count():
     site = Site()
     site.hears(0, 6.0, words_s=0.6, text="Rosie, go to the kitchen.")
-    site.hears(1, 25.0, words_s=0.4)
-    site.hears(2, 18.0, words_s=0.3)
+    site.hears(1, 25.0, words_s=0.4, text="Rosy, go to the kitchen.")
+    site.hears(2, 18.0, words_s=0.3, text="Go to the kitchen.")
     site.until(25.0)
     assert site.answering() == [0]
+
+
+def test_words_that_call_nobody_wait_for_nobody():
+    site = Site()
+    for at, (level_db, words_s) in enumerate([(6.0, 0.9), (25.0, 0.4), (18.0, 0.9)]):
+        site.hears(at, level_db, words_s=words_s)
+    site.until(25.0)
+    assert site.settled[1] == [("", pytest.approx(ENDED_S + 0.2 + 0.4))]
 
 
 def test_an_order_for_a_robot_that_does_not_hear_it_is_nobody_elses():
