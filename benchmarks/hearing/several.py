@@ -84,9 +84,12 @@ class Decided:
     answers: dict[str, dict[str, Any]] = field(default_factory=dict)
     died_s: float = 0.0
     """When the nearest was killed; 0 if it was not."""
+    heard: bool = False
+    """Whether any robot noticed a voice."""
 
     def take(self, name: str, told: dict[str, Any]) -> None:
         """Take what a robot tells."""
+        self.heard |= "claimed" in told
         self.died_s = told.get("dies_s", self.died_s)
         if "answers" in told:
             self.answers.setdefault(name, told)
@@ -184,6 +187,16 @@ class Robot:
         self.process.stdin.write(json.dumps(asdict(one)) + "\n")
         self.process.stdin.flush()
 
+    def hears_out(self, number: int) -> None:
+        """Wait until it has heard the round, and decided what it claimed, or until it dies."""
+        over, claimed = {"number": number, "over": True}, {"number": number, "claimed": True}
+        with contextlib.suppress(AssertionError):
+            self.told.wait_for(lambda one: one == over, HUNG_S)
+            if claimed in self.told.messages:
+                self.told.wait_for(
+                    lambda one: one.get("number") == number and "answers" in one, HUNG_S
+                )
+
     def end(self) -> None:
         """Let it leave, unless it is dead."""
         assert self.process.stdin
@@ -204,6 +217,8 @@ class Hall:
     def __init__(self, folder: Path) -> None:
         self._folder, self._scenes = folder, Scenes(seed=7)
         self._numbers = itertools.count(1)
+        self.unheard = 0
+        """Rounds in which no robot noticed a voice."""
         self.robots = {name: Robot(name) for name in NAMES}
         self._meet()
 
@@ -213,7 +228,12 @@ class Hall:
             one.end()
 
     def round(self, voice: str, text: str, *, call: bool = False, dies: bool = False) -> Decided:
-        """One utterance, which all robots hear."""
+        """One utterance; anew, in another hall, if no robot notices a voice."""
+        while not (found := self._round(voice, text, call=call, dies=dies)).heard:
+            self.unheard += 1
+        return found
+
+    def _round(self, voice: str, text: str, *, call: bool, dies: bool) -> Decided:
         rng = self._scenes.rng
         nearest, sounds = self._scenes.sounds(say(voice, text))
         named = str(rng.choice([one for one in NAMES if one != nearest])) if call else ""
@@ -227,14 +247,11 @@ class Hall:
             self.robots[name].begin(Round(number, str(file), start_s, words, words_s, dies_s))
         found = Decided(nearest, named)
         for name, robot in self.robots.items():
-            if dies and name == nearest:
-                robot.process.wait(HUNG_S)
-            else:
-                robot.told.wait_for(lambda one: one == {"number": number, "over": True}, HUNG_S)
+            robot.hears_out(number)
             for one in robot.told.messages:
                 if one.get("number") == number:
                     found.take(name, one)
-        if dies:
+        if found.died_s:
             self.robots[nearest].end()
             self.robots[nearest] = Robot(nearest)
             self._meet()
@@ -258,7 +275,11 @@ def measure(quick: bool = False) -> Measured:
         rounds = [hall.round(*one) for one in spoken[:plain]]
         called = [hall.round(*one, call=True) for one in spoken[plain : plain + named]]
         dead = [hall.round(*one, dies=True) for one in spoken[plain + named :]]
-    shares = (*_who(rounds, called), *_counts([*rounds, *called], dead))
+    tries = plain + named + killed + hall.unheard
+    unheard = Figure.share(
+        "unheard", TABLE, "no robot notices a voice: not counted below", hall.unheard, tries
+    )
+    shares = (unheard, *_who(rounds, called), *_counts([*rounds, *called], dead))
     uneven = (_uneven(noise_db, HALLS // (10 if quick else 1)) for noise_db in UNEVEN_DB)
     return Measured(figures=(*shares, *_times(rounds, dead), *uneven))
 

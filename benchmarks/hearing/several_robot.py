@@ -19,8 +19,7 @@ import numpy as np
 
 from edgevox.core.bus import Bus
 from edgevox.core.commands import Command, Heard
-from edgevox.core.events import UtteranceHeard
-from edgevox.core.hearers import Hearers
+from edgevox.core.hearers import Hearers, UtteranceHeard
 from edgevox.core.motion.interlock import Interlock
 from edgevox.core.speech import Ending
 from edgevox.ros2.node import RosNode
@@ -56,23 +55,22 @@ class Robot:
 
     def __init__(self, name: str) -> None:
         self.node, self.ticker = RosNode(f"/{name.lower()}"), Ticker("ticker")
-        self.bus, self.hearers = Bus(), Hearers(name, "hall")
+        self.hearers = Hearers(name, "hall")
         self.presence = Presence(self.node.node, "", Interlock(), self.ticker, self.hearers)
         self.round: Round | None = None
         self.claimed: UtteranceHeard | None = None
         self.source = Pushed("room")
-        self.bus.subscribe(UtteranceHeard, self.hearers.heard)
-        self.bus.subscribe(UtteranceHeard, self._claims)
         self.listener = Listener(
             self.source,
             open_vad(),
             self,
             submit=self.take,
-            bus=self.bus,
+            bus=Bus(),
             language=lambda: "en",
             muted=lambda: False,
             audible=lambda: 0.0,
             ending=lambda _: Ending.WHOLE,
+            on_utterance=self._claims,
             echo="none",
         )
         self.names: tuple[str, ...] = ()
@@ -130,7 +128,10 @@ class Robot:
         """Nothing to free."""
 
     def _claims(self, utterance: UtteranceHeard) -> None:
+        self.hearers.heard(utterance)
         first, self.claimed = self.claimed is None, utterance
+        if first and self.round:
+            tell(number=self.round.number, claimed=True)
         if first and self.round and self.round.dies_s is not None:
             tell(number=self.round.number, dies_s=time.monotonic() + self.round.dies_s)
             threading.Timer(self.round.dies_s, os.kill, (os.getpid(), signal.SIGKILL)).start()

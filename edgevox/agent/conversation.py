@@ -419,10 +419,11 @@ class Conversation:
         left: Callable[[], None],
     ) -> None:
         """Call `answer`; or `left`, if the words were spoken and another robot answers them."""
-        if self._hearers is None or not isinstance(words, Heard):
+        heard = words if isinstance(words, Heard) and words.way is Way.VOICE else None
+        if self._hearers is None or heard is None:
             answer(words)
             return
-        own = self._hearers.own_words(words)
+        own = self._hearers.own_words(heard)
 
         def settle(other: str) -> None:
             if other:
@@ -431,7 +432,7 @@ class Conversation:
             else:
                 answer(own)
 
-        self._hearers.settle(words, settle)
+        self._hearers.settle(heard, settle)
 
     def _goes_on(self, heard: Heard) -> bool:
         """Let an answer that was held for these words go on, or end it; True if it goes on."""

@@ -127,22 +127,6 @@ class WakeWordHeard:
 
 
 @dataclass(frozen=True, slots=True)
-class UtteranceHeard:
-    """A person has said something to the robot, or paused in it; its words are not known yet."""
-
-    began_s: float
-    """The clock's time of the first voiced sample."""
-    ended_s: float
-    """The clock's time of the last voiced sample."""
-    stands_out_db: float
-    """Decibels by which it exceeds the noise: how well the robot hears it."""
-    woken_s: float | None = None
-    """The clock's time when the wake word was heard; None without one."""
-    asked: bool = False
-    """True if the robot has asked a question that it may answer."""
-
-
-@dataclass(frozen=True, slots=True)
 class TurnMeasured:
     """Seconds that the stages of one turn took; 0 for a stage that the turn did not need."""
 
@@ -221,7 +205,6 @@ Event = (
     | StateChanged
     | AudioLevel
     | WakeWordHeard
-    | UtteranceHeard
     | TurnMeasured
     | AgentEvent
     | RobotState

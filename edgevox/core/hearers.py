@@ -10,7 +10,8 @@ utterance was. Time is counted in the robot's own messages that came back over t
 decides nor takes another for gone. It decides only `SETTLE_BEATS` after its claim went out: a robot
 that heard the same by then is known, and its decision, if it came first, has arrived.
 
-A robot whose claims cease is gone, and the next best decides. Another robot's claim can keep this
+A robot whose claims cease is gone, and the next best decides. What a robot says itself it claims as
+well, with its text, so that the others do not answer it. Another robot's claim can keep this
 one silent for an utterance, and do nothing else. Stop words never come here.
 """
 
@@ -28,7 +29,6 @@ from pydantic.dataclasses import dataclass as checked
 from edgevox.core.clock import Clock, SystemClock
 from edgevox.core.commands import Heard
 from edgevox.core.errors import InvalidValue
-from edgevox.core.events import UtteranceHeard
 from edgevox.core.files.validation import dotted, explain
 
 BEAT_S = 0.04
@@ -61,6 +61,10 @@ SAME_WAKE_S = 0.7
 OVERLAP = 0.5
 """Share of the shorter of two utterances that the other must cover."""
 LEAST_S = 0.1
+MOST_SAID = 300
+"""Characters of a robot's own speech that the others get: the last ones."""
+ECHOED = 0.5
+"""Share of the words from which on an utterance is the speech of another robot."""
 MOST_ROBOTS = 32
 MOST_UTTERANCES = 4
 MOST_PER_S = 1000
@@ -102,6 +106,8 @@ class Claim:
     """The id of the robot that its words name."""
     answers: Id = ""
     """The decision: the id of the robot that answers."""
+    says: Annotated[str, Field(max_length=MOST_SAID)] = ""
+    """The text, if it is not a person's utterance but the robot's own."""
     leaving: bool = False
 
     @property
@@ -121,6 +127,22 @@ def read_claim(text: str) -> Claim:
         return _CLAIM.validate_json(text)
     except ValidationError as error:
         raise explain(error, lambda place: dotted(("hearers", *place))) from None
+
+
+@dataclass(frozen=True, slots=True)
+class UtteranceHeard:
+    """A person has said something to the robot, or paused in it; its words are not known yet."""
+
+    began_s: float
+    """The clock's time of the first voiced sample."""
+    ended_s: float
+    """The clock's time of the last voiced sample."""
+    stands_out_db: float
+    """Decibels by which it exceeds the noise: how well the robot hears it."""
+    woken_s: float | None = None
+    """The clock's time when the wake word was heard; None without one."""
+    asked: bool = False
+    """True if the robot has asked a question that it may answer."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -165,6 +187,7 @@ class _Utterance:
     """Whether it is known how well it was heard."""
     words_beat: int | None = None
     words_s: float = 0.0
+    text: str = ""
     doubted: bool = False
     """Whether its words may hold a name that was misheard."""
     then: "Callable[[str], None] | None" = None
@@ -185,6 +208,8 @@ class Hearers:
         self._robots: dict[str, _Robot] = {}
         self._utterances: list[_Utterance] = []
         self._numbers = 0
+        self._speech: _Utterance | None = None
+        self._said = ""
         self._sent_beat = self._beat = 0
         self._returned_s = self._second_s = float("-inf")
         self._read = 0
@@ -225,6 +250,7 @@ class Hearers:
             self._forget_absent()
             one = self._of(_span_of(heard))
             one.then, one.words_s, one.words_beat = then, self._clock.now(), self._beat
+            one.text = heard.text
             names = {self._me.id: self._me.name}
             names |= {key: robot.name for key, robot in self._robots.items()}
             one.claim = replace(one.claim, words=True, named=named_in(heard.text, names))
@@ -244,6 +270,28 @@ class Hearers:
                 if one.span.began_s != began_s or one.then or one.decided_beat is not None
             ]
 
+    def says(self, text: str) -> None:
+        """Tell the others what this robot says, or is about to say."""
+        with self._lock:
+            self._said = f"{self._said} {text}".strip()[-MOST_SAID:]
+
+    def speaks(self, speaking: bool) -> None:
+        """Claim the sound from now on as this robot's own, or no longer."""
+        with self._lock:
+            now_s = self._clock.now()
+            if speaking and self._speech is None:
+                self._speech = self._of(Span(now_s, now_s, None))
+                self._speech.claim = replace(self._speech.claim, answers=self._me.id)
+            elif not speaking and self._speech is not None:
+                self._extend_speech()
+                self._speech.decided_beat = self._sent_beat
+                self._speech, self._said = None, ""
+
+    def _extend_speech(self) -> None:
+        if one := self._speech:
+            one.span = replace(one.span, ended_s=self._clock.now())
+            one.claim = replace(one.claim, says=self._said)
+
     def own_words(self, heard: Heard) -> Heard:
         """The words without this robot's name at their beginning or end."""
         others = (replace(one, text=without_name(one.text, self._me.name)) for one in heard.others)
@@ -254,6 +302,7 @@ class Hearers:
         """Tell the others; to be called every `BEAT_S`."""
         with self._lock:
             self._sent_beat += 1
+            self._extend_speech()
             told = self._messages(self._telling())
             if not told and self._sent_beat % IDLE_BEATS == 0:
                 told = [replace(self._me, beat=self._sent_beat)]
@@ -373,7 +422,7 @@ class Hearers:
     def _tell_again(self, span: Span) -> None:
         """Repeat the decision about an utterance that a robot still claims."""
         for one in self._utterances:
-            if one.claim.answers and one.span.is_same(span):
+            if one.claim.answers and one is not self._speech and one.span.is_same(span):
                 one.decided_beat = self._sent_beat
 
     def _rivals(self, one: _Utterance) -> list[tuple[Claim, int]]:
@@ -408,8 +457,11 @@ class Hearers:
         if not self._robots:
             return self._me.id
         rivals = self._rivals(one)
-        if told := [claim.answers for claim, _ in rivals if claim.answers]:
-            return told[0]
+        told = [claim.answers for claim, _ in rivals if claim.answers and not claim.says]
+        echoed = [claim.answers for claim, _ in rivals if echoes(one.text, claim.says)]
+        if told or echoed:
+            return [*told, *echoed][0]
+        rivals = [(claim, beat) for claim, beat in rivals if not claim.says]
         now_s = self._clock.now()
         by_rank = sorted((claim for claim, _ in rivals), key=lambda claim: claim.rank)
         if now_s - one.words_s > LATEST_S or now_s - one.span.ended_s > KEPT_S:
@@ -446,11 +498,22 @@ def _tell(settled: Iterable[Settled]) -> None:
         then(other)
 
 
+_TOKEN = re.compile(r"[^\W\u3040-\u30ff\u3400-\u9fff]+|[\u3040-\u30ff\u3400-\u9fff]")
+"""A word, or a character where words have no spaces between them."""
+
+
+def echoes(text: str, says: str) -> bool:
+    """Whether the words of a text are mostly those of what another robot says."""
+    words, said = (_TOKEN.findall(one.casefold()) for one in (text, says))
+    pieces = SequenceMatcher(None, words, said, autojunk=False).get_matching_blocks()
+    return bool(said) and sum(piece.size for piece in pieces) >= ECHOED * len(words)
+
+
 _WORD = re.compile(r"[\w']+")
 _CLAUSE_END = re.compile(r"[,.;:!?\u3001\u3002\uff0c\uff01\uff1f\u060c\u061f\u0964]")
 ALIKE = 0.75
 """The likeness, 0 to 1, from which words are a name: "Rosee" is Rosie."""
-MAY_BE = 0.5
+MAY_BE = 0.65
 """The likeness from which words may be a name that was misheard: "Rosy" for Rosie."""
 EXACT_TO = 3
 """A name of so few letters must be heard exactly."""

@@ -17,7 +17,8 @@ from edgevox.core.commands import (
     Transcribing,
 )
 from edgevox.core.errors import EdgeVoxError
-from edgevox.core.events import Cause, UtteranceHeard, WakeWordHeard
+from edgevox.core.events import Cause, WakeWordHeard
+from edgevox.core.hearers import UtteranceHeard
 from edgevox.core.log import get_logger, worth_a_line
 from edgevox.core.settings import Echo
 from edgevox.core.speech import Ending, FollowUp
@@ -102,7 +103,7 @@ class Listener:
         stt: Turns utterances into words.
         stop_stt: Turns unaddressed utterances into words; `stt` by default.
         submit: Takes each command; its errors are logged and counted.
-        bus: Gets `WakeWordHeard`, `UtteranceHeard` and the sound level.
+        bus: Gets `WakeWordHeard` and the sound level.
         language: The ISO 639-1 code of the language that is spoken now.
         muted: While True, nothing is heard and no level is published.
         audible: How loud the robot itself plays now, root mean square, 0 to 1.
@@ -116,6 +117,7 @@ class Listener:
         ending: Judges by its words whether an utterance is complete. None, in a file, and where the
             wake word is missing: a fixed silence.
         echo: How the robot's own voice is kept out: "cancel", "gate" or "none".
+        on_utterance: Takes how well an utterance is heard, before its words are known.
         played: The robot's own sound, the reference for "cancel".
         lossless: Wait for the transcriber instead of refusing utterances that it cannot keep up
             with. For files, never for a microphone.
@@ -141,6 +143,7 @@ class Listener:
         saying: Callable[[], str] = lambda: "",
         ending: Callable[[str], Ending] | None = None,
         echo: Echo = "gate",
+        on_utterance: Callable[[UtteranceHeard], None] | None = None,
         played: PlayedSound | None = None,
         lossless: bool = False,
         clock: Clock | None = None,
@@ -155,6 +158,7 @@ class Listener:
         self._meter = LevelMeter(bus.publish)
         self._echo = open_echo(echo, audible, played)
         self._noise = NoiseFloor()
+        self._on_utterance = on_utterance
         self._endpointer = Endpointer()
         self._wake_gate = WakeGate()
         self._stops = stop_detector and StopWatch(stop_detector, saying=saying, language=language)
@@ -277,7 +281,7 @@ class Listener:
         self._listen_for_wake_word(clean, probability)
         self._wait_as_long_as_words_want()
         words = Frame(sound.words, frame.end_s)
-        if not self._echo.playing:
+        if self._on_utterance and not self._echo.playing:
             self._noise.push(sound.words, self._voices.any_voice)
         match self._endpointer.push(words, probability, surmised=surmised):
             case SpeechBegan(began_s=began_s):
@@ -399,8 +403,10 @@ class Listener:
         return None
 
     def _tell_heard(self, speech: SpeechEnded | SpeechPaused) -> None:
+        if self._on_utterance is None:
+            return
         floor_db = self._noise.floor_db
-        self._bus.publish(
+        self._on_utterance(
             UtteranceHeard(
                 speech.began_s,
                 speech.ended_s,

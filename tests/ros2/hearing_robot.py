@@ -12,8 +12,7 @@ import threading
 import time
 
 from edgevox.core.commands import Heard
-from edgevox.core.events import UtteranceHeard
-from edgevox.core.hearers import Hearers
+from edgevox.core.hearers import Hearers, UtteranceHeard
 from edgevox.core.motion.interlock import Interlock
 from edgevox.ros2.node import RosNode
 from edgevox.ros2.presence import Presence

@@ -39,7 +39,12 @@ from edgevox.core.bus import Bus
 from edgevox.core.commands import Speak
 from edgevox.core.controls import Controls
 from edgevox.core.errors import InvalidValue
-from edgevox.core.events import ControlChanged, UtteranceHeard
+from edgevox.core.events import (
+    ControlChanged,
+    SentenceReady,
+    State,
+    StateChanged,
+)
 from edgevox.core.hearers import Hearers
 from edgevox.core.log import get_logger
 from edgevox.core.motion.drain import Drain
@@ -182,6 +187,7 @@ def build_parts(stack: ExitStack, settings: Settings, body: Body | None) -> Agen
             is_stop=conversation.is_stop,
             follow_up=conversation.follow_ups,
             ending=endings(conversation).of,
+            on_utterance=hearers.heard if hearers else None,
         )
         if voice
         else None
@@ -219,7 +225,8 @@ def _open_hearers(settings: Settings, bus: Bus) -> Hearers | None:
         raise InvalidValue("answer_group", settings.answer_group, "--ros2 beside it")
     name = settings.spoken_name or settings.agent_namespace.strip("/").replace("_", " ")
     hearers = Hearers(name, settings.answer_group)
-    bus.subscribe(UtteranceHeard, hearers.heard)
+    bus.subscribe(SentenceReady, lambda event: hearers.says(event.text))
+    bus.subscribe(StateChanged, lambda event: hearers.speaks(event.state is State.SPEAKING))
     return hearers
 
 

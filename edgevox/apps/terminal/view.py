@@ -118,7 +118,7 @@ class View:
             case SoftwareStopChanged(engaged=engaged, by=by):
                 self._write(f"  [{'stopped' if engaged else 'resumed'} by {by}]")
             case UtteranceLeft(robot=robot):
-                self._write(f"  [not me: {robot} answers]")
+                self._write(f"  [not me: {robot}]")
             case GoalChanged() | GoalCancelled():
                 with self._lock:
                     self._progress = _progress(event)

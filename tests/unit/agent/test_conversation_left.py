@@ -1,6 +1,7 @@
 """What is left to another robot of a group, and what never is: stops, typed words, programs."""
 
 import json
+from dataclasses import replace
 
 import pytest
 from phrases import said
@@ -8,7 +9,7 @@ from support.clock import HeldClock
 from support.conversation import Talk
 
 from edgevox.core.agent_events import SafetyPreempted, UtteranceLeft
-from edgevox.core.commands import Heard, RunSkill, Transcribing
+from edgevox.core.commands import Heard, RunSkill, Transcribing, Way
 from edgevox.core.events import State, StateChanged, Transcribed
 from edgevox.core.hearers import Hearers
 
@@ -92,10 +93,13 @@ def test_a_stop_makes_void_what_was_not_decided_yet(group):
     assert group.talk.body.sent == []
 
 
-def test_typed_words_and_commands_of_programs_are_nobody_elses(group):
+def test_typed_words_words_to_its_page_and_commands_are_nobody_elses(group):
     group.max_answers()
     group.talk.say("go to the kitchen")
+    spoken = replace(group.words("go to the bedroom"), way=Way.CONSOLE_OPERATOR)
+    group.talk.conversation.submit(spoken)
+    group.talk.settle()
     group.talk.conversation.submit(RunSkill("navigate_to", {"room": "office"}))
     group.talk.settle()
-    assert group.talk.body.sent == ["kitchen", "office"]
+    assert group.talk.body.sent == ["kitchen", "bedroom", "office"]
     assert group.talk.of(UtteranceLeft) == []

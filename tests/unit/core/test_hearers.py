@@ -10,7 +10,6 @@ from support.clock import HeldClock
 
 from edgevox.core.commands import Heard, Hypothesis
 from edgevox.core.errors import InvalidValue
-from edgevox.core.events import UtteranceHeard
 from edgevox.core.hearers import (
     ANOTHER,
     BEAT_S,
@@ -20,6 +19,7 @@ from edgevox.core.hearers import (
     MOST_PER_S,
     MOST_ROBOTS,
     Hearers,
+    UtteranceHeard,
     named_in,
     read_claim,
     without_name,
@@ -292,6 +292,36 @@ def test_the_next_utterance_is_decided_anew():
         [True, False, True],
         [False, True, False],
     ]
+
+
+def test_what_another_robot_says_is_answered_by_nobody():
+    site = Site()
+    site.clock.at(BEGAN_S, lambda: site.robots[0].says("I am going to the kitchen."))
+    site.clock.at(BEGAN_S, lambda: site.robots[0].speaks(True))
+    site.clock.at(ENDED_S, lambda: site.robots[0].speaks(False))
+    for at in (1, 2):
+        site.hears(at, 20.0 + at, text="I am going to the kitten.")
+    site.until(25.0)
+    assert site.answering() == []
+    assert [told[0][0] for told in site.settled.values() if told] == ["Rosie", "Rosie"]
+
+
+@pytest.mark.parametrize(
+    ("text", "span"),
+    [
+        ("Where is your battery?", (BEGAN_S, ENDED_S)),
+        ("I am going to the kitchen.", (ENDED_S + 0.1, ENDED_S + 1.5)),
+    ],
+)
+def test_a_person_who_speaks_while_a_robot_speaks_or_after_it_is_answered(text, span):
+    site = Site()
+    site.clock.at(BEGAN_S, lambda: site.robots[0].says("I am going to the kitchen."))
+    site.clock.at(BEGAN_S, lambda: site.robots[0].speaks(True))
+    site.clock.at(ENDED_S, lambda: site.robots[0].speaks(False))
+    for at in (1, 2):
+        site.hears(at, 20.0 + at, text=text, span=span)
+    site.until(27.0)
+    assert site.answering() == [2]
 
 
 def test_a_robot_that_leaves_or_falls_silent_is_not_counted_any_more():

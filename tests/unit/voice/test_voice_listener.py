@@ -9,7 +9,7 @@ from voice_script import BUTTON, VOICE, WAKE, Refuses, Script, Stt, Vad, Wake, s
 from edgevox.core.bus import Bus
 from edgevox.core.commands import Heard, Interrupt, SpokenOver, Transcribing
 from edgevox.core.errors import EdgeVoxError
-from edgevox.core.events import AudioLevel, Cause, UtteranceHeard, WakeWordHeard
+from edgevox.core.events import AudioLevel, Cause, WakeWordHeard
 from edgevox.voice.audio import FRAME_S
 from edgevox.voice.listener import Listener
 from edgevox.voice.utterance_end import ONSET_FRAMES
@@ -26,10 +26,9 @@ def listen():
         audible=lambda: 0.0,
         muted=lambda: False,
         said=None,
-        bus=None,
         **more,
     ):
-        bus, said, events = bus or Bus(), [] if said is None else said, []
+        bus, said, events = Bus(), [] if said is None else said, []
         bus.subscribe(AudioLevel, events.append)
         bus.subscribe(WakeWordHeard, events.append)
         listener = Listener(
@@ -451,15 +450,13 @@ def test_a_word_that_cannot_be_told_costs_no_utterance(listen, caplog):
 
 def test_how_well_an_utterance_is_heard_is_told_before_its_words_are_known(listen):
     told = []
-    bus = Bus()
-    bus.subscribe(UtteranceHeard, told.append)
 
     class Slow(Stt):
         def transcribe(self, samples, language):
             assert told, "before anybody looks for words"
             return super().transcribe(samples, language)
 
-    listen(Slow("yes"), *[80] * 40, *spoken(), bus=bus, follow_up=Answers())
+    listen(Slow("yes"), *[80] * 40, *spoken(), follow_up=Answers(), on_utterance=told.append)
 
     assert all(one.began_s == pytest.approx(40 * FRAME_S) for one in told)
     assert told[-1].ended_s == pytest.approx(60 * FRAME_S)
@@ -470,10 +467,10 @@ def test_how_well_an_utterance_is_heard_is_told_before_its_words_are_known(liste
 
 def test_speech_without_the_wake_word_is_claimed_only_if_it_may_be_an_answer(listen):
     told = []
-    bus = Bus()
-    bus.subscribe(UtteranceHeard, told.append)
 
-    listen(Stt("we had lunch", "go"), *spoken(), *ADDRESSED, wakeword=Wake(), bus=bus)
+    listen(
+        Stt("we had lunch", "go"), *spoken(), *ADDRESSED, wakeword=Wake(), on_utterance=told.append
+    )
 
     assert told
     assert all(one.woken_s == pytest.approx(71 * FRAME_S) for one in told)
