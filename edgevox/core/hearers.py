@@ -35,7 +35,7 @@ BEAT_S = 0.04
 """Seconds between two claims while an utterance is undecided."""
 IDLE_BEATS = 25
 """Beats between two messages while there is none."""
-SETTLE_BEATS = 4
+SETTLE_BEATS = 5
 """Beats from a robot's claim to its decision: more than a message needs, there and back."""
 HELD_UP_S = 3 * BEAT_S
 """After so long without a message of its own, a robot was held up, and settles anew."""
@@ -46,12 +46,12 @@ NAME_BEATS = 6
 PRESENT_BEATS = 4 * IDLE_BEATS
 """Beats after which a robot that says nothing has left the group."""
 PATIENCE_BEATS = 50
-"""Beats that a robot waits, once it knows the words, for each one that heard better and is here."""
+"""Beats that a robot which knows the words waits for one that heard better and does not."""
 LATEST_S = 5.0
 """Seconds, once its words are known, after which a robot that cannot decide leaves an utterance."""
 TOLD_BEATS = 25
 """Beats for which a decision is repeated: messages are not sent again if they are lost."""
-KEPT_S = 10.0
+KEPT_S = 30.0
 """Seconds for which a decision is remembered, and told to a robot that claims the utterance late.
 Nothing older is answered."""
 ANOTHER = "another robot"
@@ -66,7 +66,7 @@ MOST_SAID = 300
 ECHOED = 0.5
 """Share of the words from which on an utterance is the speech of another robot."""
 MOST_ROBOTS = 32
-MOST_UTTERANCES = 4
+MOST_UTTERANCES = 8
 MOST_PER_S = 1000
 """Messages that are read in a second; the rest are dropped."""
 MAX_CHARACTERS = 1024
@@ -102,6 +102,8 @@ class Claim:
     """Whether it may answer a question of the robot."""
     words: bool = False
     """Whether the robot knows its words."""
+    waited: bool = False
+    """Whether it has known them for long, without a decision of a better one: now it decides."""
     named: Id = ""
     """The id of the robot that its words name."""
     answers: Id = ""
@@ -111,9 +113,9 @@ class Claim:
     leaving: bool = False
 
     @property
-    def rank(self) -> tuple[bool, float, str]:
+    def rank(self) -> tuple[bool, bool, float, str]:
         """The sort key; the greatest decides."""
-        return (self.asked, self.level_db, self.id)
+        return (self.waited, self.asked, self.level_db, self.id)
 
 
 _CLAIM = TypeAdapter(Claim)
@@ -200,10 +202,13 @@ Settled = tuple[Callable[[str], None], str]
 class Hearers:
     """The robots of a group that hear the same utterance, and this one's part. Any thread."""
 
-    def __init__(self, name: str, group: str, clock: Clock | None = None) -> None:
+    def __init__(
+        self, name: str, group: str, clock: Clock | None = None, robot_id: str = ""
+    ) -> None:
+        """Join a group under a name. `robot_id` is random by default."""
         self.group = group
         self._clock = clock or SystemClock()
-        self._me = Claim(secrets.token_hex(4), name[:40], group, 0)
+        self._me = Claim(robot_id or secrets.token_hex(4), name[:40], group, 0)
         self._lock = threading.RLock()
         self._robots: dict[str, _Robot] = {}
         self._utterances: list[_Utterance] = []
@@ -471,8 +476,9 @@ class Hearers:
             return None
         waited = self._beat - one.words_beat
         here = {claim.id: claim for claim, beat in rivals if self._beat - beat < GONE_BEATS}
-        better = sum(claim.rank > one.claim.rank for claim in here.values())
-        if waited < better * PATIENCE_BEATS:
+        if any(claim.rank > one.claim.rank for claim in here.values()):
+            if waited >= PATIENCE_BEATS and not one.claim.waited:
+                one.claim, one.sent_beat = replace(one.claim, waited=True), self._sent_beat
             return None
         known = {self._me.id, *self._robots}
         named = [claim.named for claim in by_rank if claim.id in here and claim.named in known]

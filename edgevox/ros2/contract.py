@@ -257,8 +257,8 @@ HEARERS = Shared(
     Qos.SENSOR,
     "out, in",
     "with `answer_group`: a robot of the group, and how well it hears an utterance, as JSON: id,"
-    " name, group, beat, utterance, ago_ms, lasted_ms, woken_ms, level_db, asked, words, named,"
-    " answers, says, leaving",
+    " name, group, beat, utterance, ago_ms, lasted_ms, woken_ms, level_db, asked, words, waited,"
+    " named, answers, says, leaving",
 )
 """Settles which of several robots answers an utterance. Common to all robots of a domain."""
 
