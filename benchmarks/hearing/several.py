@@ -217,8 +217,6 @@ class Hall:
     def __init__(self, folder: Path) -> None:
         self._folder, self._scenes = folder, Scenes(seed=7)
         self._numbers = itertools.count(1)
-        self.unheard = 0
-        """Rounds in which no robot noticed a voice."""
         self.robots = {name: Robot(name) for name in NAMES}
         self._meet()
 
@@ -228,12 +226,7 @@ class Hall:
             one.end()
 
     def round(self, voice: str, text: str, *, call: bool = False, dies: bool = False) -> Decided:
-        """One utterance; anew, in another hall, if no robot notices a voice."""
-        while not (found := self._round(voice, text, call=call, dies=dies)).heard:
-            self.unheard += 1
-        return found
-
-    def _round(self, voice: str, text: str, *, call: bool, dies: bool) -> Decided:
+        """One utterance, which all robots may hear."""
         rng = self._scenes.rng
         nearest, sounds = self._scenes.sounds(say(voice, text))
         named = str(rng.choice([one for one in NAMES if one != nearest])) if call else ""
@@ -265,7 +258,7 @@ class Hall:
 
 def measure(quick: bool = False) -> Measured:
     """Rounds of each kind, one after the other, and halls that are only computed."""
-    plain, named, killed = (6, 2, 2) if quick else (60, 15, 15)
+    plain, named, killed = (6, 2, 2) if quick else (40, 12, 8)
     isolate()
     try:
         spoken = list(itertools.islice(_spoken(), plain + named + killed))
@@ -275,11 +268,11 @@ def measure(quick: bool = False) -> Measured:
         rounds = [hall.round(*one) for one in spoken[:plain]]
         called = [hall.round(*one, call=True) for one in spoken[plain : plain + named]]
         dead = [hall.round(*one, dies=True) for one in spoken[plain + named :]]
-    tries = plain + named + killed + hall.unheard
-    unheard = Figure.share(
-        "unheard", TABLE, "no robot notices a voice: not counted below", hall.unheard, tries
-    )
-    shares = (unheard, *_who(rounds, called), *_counts([*rounds, *called], dead))
+    unheard = sum(not one.heard for one in (*rounds, *called, *dead))
+    what = "no robot notices a voice: not counted below"
+    missed = Figure.share("unheard", TABLE, what, unheard, plain + named + killed)
+    rounds, called, dead = ([one for one in these if one.heard] for these in (rounds, called, dead))
+    shares = (missed, *_who(rounds, called), *_counts([*rounds, *called], dead))
     uneven = (_uneven(noise_db, HALLS // (10 if quick else 1)) for noise_db in UNEVEN_DB)
     return Measured(figures=(*shares, *_times(rounds, dead), *uneven))
 

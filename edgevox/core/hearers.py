@@ -180,7 +180,6 @@ class _Robot:
 class _Utterance:
     """An utterance that this robot has heard."""
 
-    number: int
     span: Span
     claim: Claim
     sent_beat: int
@@ -354,7 +353,7 @@ class Hearers:
                 return one
         self._numbers += 1
         claim = replace(self._me, utterance=self._numbers)
-        new = _Utterance(self._numbers, span, claim, self._sent_beat)
+        new = _Utterance(span, claim, self._sent_beat)
         decided = [one for one in self._utterances if one.then is None][-MOST_UTTERANCES:]
         waiting = [one for one in self._utterances if one.then is not None]
         self._utterances = [*decided, *waiting, new]
@@ -465,7 +464,7 @@ class Hearers:
         told = [claim.answers for claim, _ in rivals if claim.answers and not claim.says]
         echoed = [claim.answers for claim, _ in rivals if echoes(one.text, claim.says)]
         if told or echoed:
-            return [*told, *echoed][0]
+            return (told or echoed)[0]
         rivals = [(claim, beat) for claim, beat in rivals if not claim.says]
         now_s = self._clock.now()
         by_rank = sorted((claim for claim, _ in rivals), key=lambda claim: claim.rank)
