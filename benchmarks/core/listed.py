@@ -78,6 +78,9 @@ BENCHMARKS: Mapping[str, Benchmark] = {
         "benchmarks.hearing.duplex",
         "who is heard through the robot's own voice, and whether it hears itself",
     ),
+    "several": Benchmark(
+        "benchmarks.hearing.several", "which of five robots answers a person whom all of them hear"
+    ),
     "wake_words": Benchmark(
         "benchmarks.hearing.wake_words", "both engines of wake words: misses, false alarms, cost"
     ),

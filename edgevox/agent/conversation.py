@@ -29,6 +29,7 @@ from edgevox.agent.skills import STOP, Call, SkillSet
 from edgevox.agent.stop.stopping import Stopping
 from edgevox.agent.text.reasons import because
 from edgevox.agent.turn import InputTiming, StateMachine, Turn
+from edgevox.core.agent_events import UtteranceLeft
 from edgevox.core.bus import Bus
 from edgevox.core.clock import Clock, SystemClock
 from edgevox.core.commands import (
@@ -48,6 +49,7 @@ from edgevox.core.commands import (
 )
 from edgevox.core.events import Cause, Outcome, State, Transcribed, TurnEnded
 from edgevox.core.files.text import MAX_CHARACTERS, clean
+from edgevox.core.hearers import Hearers
 from edgevox.core.log import bound, get_logger
 from edgevox.core.motion.interlock import Interlock
 from edgevox.core.reason import Reason
@@ -172,6 +174,7 @@ class Conversation:
         known: Known = NOTHING_KNOWN,
         timer: Timer | None = None,
         follow_up_s: float = 8.0,
+        hearers: Hearers | None = None,
     ) -> None:
         """Build the parts of a conversation; `start` starts its threads.
 
@@ -192,8 +195,10 @@ class Conversation:
             timer: Wakes programs at their time; a timer of its own by default.
             follow_up_s: Seconds after a spoken answer in which a person may go on without the wake
                 word; 0 for never, not even to answer a question.
+            hearers: Decides which robot of a group answers spoken words; None if this one does.
         """
         self._bus = bus
+        self._hearers = hearers
         self._clock = clock or SystemClock()
         self._inbox = inbox.Inbox(self._clock)
         dialogue = DialogueSkills(agents, bus, self._clock, lambda: self.interpreter.phrases, known)
@@ -252,6 +257,7 @@ class Conversation:
             question=self._question,
             turn=lambda: self._turn,
             phrases=lambda: interpreter.phrases,
+            answer=self._answer,
             language=language,
             phonemes=phonemes,
         )
@@ -401,7 +407,35 @@ class Conversation:
             finally:
                 self._states.transcribed(words=counts)
         if counts and not self._stopping.hears(words):
-            self._stopping.queue(words, mark)
+            self._answer(
+                words,
+                lambda own: self._stopping.queue(own, mark),
+                left=lambda: self._stopping.leave(words),
+            )
+        elif self._hearers and isinstance(words, Heard):
+            self._hearers.withdraw(words)
+
+    def _answer(
+        self,
+        words: TextInput | Heard,
+        answer: Callable[[TextInput | Heard], None],
+        left: Callable[[], None],
+    ) -> None:
+        """Call `answer`; or `left`, if the words were spoken and another robot answers them."""
+        heard = words if isinstance(words, Heard) and words.way is Way.VOICE else None
+        if self._hearers is None or heard is None:
+            answer(words)
+            return
+        own = self._hearers.own_words(heard)
+
+        def settle(other: str) -> None:
+            if other:
+                left()
+                self._bus.publish(UtteranceLeft(other))
+            else:
+                answer(own)
+
+        self._hearers.settle(heard, settle)
 
     def _goes_on(self, heard: Heard) -> bool:
         """Let an answer that was held for these words go on, or end it; True if it goes on."""

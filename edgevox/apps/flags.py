@@ -25,7 +25,14 @@ FIRST = (
 """The settings that most people need; their flags stand first in the help."""
 GROUPS: Mapping[str, tuple[str, ...]] = MappingProxyType(
     {
-        "conversation": ("voice", "muted", "confirm", "simple_ui", "follow_up_s"),
+        "conversation": (
+            "voice",
+            "muted",
+            "confirm",
+            "simple_ui",
+            "follow_up_s",
+            *("answer_group", "spoken_name"),
+        ),
         "robot": (
             *("robot_", "world", "model_source", "mjcf", "seed", "render", "max_"),
             *("locations", "places", "pictures", "skills", "plugins", "policy"),

@@ -24,6 +24,7 @@ class AgentEventKind(StrEnum):
     PROGRAM = "program"
     SOFTWARE_STOP = "software_stop"
     DRAIN = "drain"
+    UTTERANCE_LEFT = "utterance_left"
 
 
 class GoalStatus(StrEnum):
@@ -177,6 +178,15 @@ class DrainChanged:
     """Seconds that running motion may still take; 0 at the end."""
 
 
+@dataclass(frozen=True, slots=True)
+class UtteranceLeft:
+    """The robot heard an utterance and leaves it to another robot of its group."""
+
+    kind: ClassVar = AgentEventKind.UTTERANCE_LEFT
+    robot: str
+    """The name of the robot that answers, as that robot says it."""
+
+
 class ConfirmationStatus(StrEnum):
     """Stages in the life of a question: `asked`, then one of the others, which ends it."""
 
@@ -258,6 +268,7 @@ AgentEvent = (
     | ProgramChanged
     | SoftwareStopChanged
     | DrainChanged
+    | UtteranceLeft
 )
 """All agent events: a subscription to this type on the bus gets each of them."""
 

@@ -286,6 +286,18 @@ class Settings(BaseSettings):
         description="tell the people who were enrolled with `edgevox voiceprint` from guests by"
         " their voice, for the policy; no lock",
     )
+    answer_group: str = Field(
+        "",
+        max_length=40,
+        description="name of the group of robots, on one ROS 2 domain, of which only one answers"
+        " when several hear a person; empty: this robot answers whatever it hears",
+    )
+    spoken_name: str = Field(
+        "",
+        max_length=40,
+        description="name by which people call this robot in its answer_group; empty: its"
+        " namespace",
+    )
     keep_audio: Path | None = Field(
         None,
         description="folder for the last 200 utterances as WAV files, with what was"

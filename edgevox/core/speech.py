@@ -78,5 +78,8 @@ class FollowUp(Protocol):
         It is asked before their transcript exists.
         """
 
+    def asked(self, ended_s: float) -> bool:
+        """True if words that end then may answer a question of the robot."""
+
     def takes(self, text: str, confidence: float, began_s: float, ended_s: float) -> bool:
         """True if these words do so. `confidence` is that of the transcript, from 0 to 1."""

@@ -438,7 +438,7 @@ class RosBridge:
         )
         controls.change({name: values[name] for name in _CONTROLS})
         robot = context.body.name if context.body else ""
-        self._presence = Presence(node, robot, context.interlock, self._ticker)
+        self._presence = Presence(node, robot, context.interlock, self._ticker, context.hearers)
         self._recorder = HeardRecorder(node)
         backlog = Backlog(node, context.interlock)
         parameters = Parameters(node, self._node.executor, controls, bus)

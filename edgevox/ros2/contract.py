@@ -252,6 +252,15 @@ TAKE_OVER = Shared(
 )
 SHARED: tuple[Shared, ...] = (PRESENCE, TAKE_OVER)
 """Topics that settle which of several agents on one namespace moves the robot: pure additions."""
+HEARERS = Shared(
+    "/hearers",
+    Qos.SENSOR,
+    "out, in",
+    "with `answer_group`: a robot of the group, and how well it hears an utterance, as JSON: id,"
+    " name, group, beat, utterance, ago_ms, lasted_ms, woken_ms, level_db, asked, words, waited,"
+    " named, answers, says, leaving",
+)
+"""Settles which of several robots answers an utterance. Common to all robots of a domain."""
 
 Rated = Published | StandardTopic | Shared | Periodic
 _OURS: tuple[Rated, ...] = (*PUBLISHED, *INTEROP, *SHARED, DIAGNOSTICS)

@@ -20,6 +20,7 @@ from edgevox.core.clock import Clock
 from edgevox.core.commands import Submit
 from edgevox.core.controls import Controls
 from edgevox.core.errors import EdgeVoxError, InvalidValue
+from edgevox.core.hearers import Hearers
 from edgevox.core.motion.interlock import Interlock
 from edgevox.core.settings import Settings
 from edgevox.core.status import (
@@ -72,6 +73,8 @@ class BridgeContext:
     """The policy for velocities and for `command`; goals are judged by `goals`."""
     handle: "AgentNodeHandle | None" = None
     """Lends the node to skills."""
+    hearers: Hearers | None = None
+    """The robots of its group that hear the same person; None without a group."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -132,6 +135,8 @@ class Sharing:
     """The other agents, in words."""
     yields: bool = False
     """True if this agent refuses to move because another one is in charge."""
+    group: tuple[str, ...] | None = None
+    """The names of the other robots of its group; None without a group."""
 
     def status(self) -> Status:
         """Another agent is a warning; to refuse to move for its sake is an error."""
@@ -148,6 +153,7 @@ class Sharing:
             id=self.id,
             others=len(self.others),
             in_charge=not self.yields,
+            **({} if self.group is None else {"group": ", ".join(self.group)}),
         )
 
 

@@ -1,4 +1,4 @@
-"""The agents that share a namespace, and the one of them that moves the robot.
+"""The agents that share a namespace, and the robots that hear the same person.
 
 Two agents on one namespace hear the same sentences and have nodes of the same name; without a rule
 both would drive. Each agent publishes a `Claim`; `Members` lists the agents present and holds the
@@ -13,6 +13,9 @@ and only one.
 
 Time is counted in an agent's own messages that came back over the wire, once a second: an agent
 that is frozen, or whose executor is held up, counts nothing, and takes no other agent for gone.
+
+With a group, `Presence` also carries the claims of `edgevox.core.hearers` between robots, each of
+which has a namespace of its own.
 """
 
 import os
@@ -31,10 +34,11 @@ from std_msgs.msg import String
 from edgevox.agent.text.reasons import because
 from edgevox.core.errors import InvalidValue, Refusal
 from edgevox.core.files.validation import dotted, explain
+from edgevox.core.hearers import BEAT_S, MOST_ROBOTS, MOST_UTTERANCES, Hearers
 from edgevox.core.log import get_logger
 from edgevox.core.motion.interlock import Holder, Interlock
 from edgevox.core.status import ComponentName, HealthCheck, Status
-from edgevox.ros2.contract import PRESENCE, TAKE_OVER, write
+from edgevox.ros2.contract import HEARERS, PRESENCE, TAKE_OVER, write
 from edgevox.ros2.messages import profile
 from edgevox.ros2.open import Sharing
 from edgevox.ros2.ticker import Ticker
@@ -182,14 +186,22 @@ class Presence:
     """Publishes this agent's presence, hears the others, and yields to one in charge.
 
     While another agent is in charge, the interlock forbids motion. `robot` is the body's name,
-    empty without one. Messages are handled on the executor's thread; the beat is the ticker's, so
-    that this agent is seen even while a callback hangs.
+    empty without one. `hearers` are the robots of its group, None without one. Messages are handled
+    on the executor's thread; the beat is the ticker's, so that this agent is seen even while a
+    callback hangs.
     """
 
     name = ComponentName.PRESENCE
     checks: tuple[HealthCheck, ...] = ()
 
-    def __init__(self, node: Node, robot: str, interlock: Interlock, ticker: Ticker) -> None:
+    def __init__(
+        self,
+        node: Node,
+        robot: str,
+        interlock: Interlock,
+        ticker: Ticker,
+        hearers: Hearers | None = None,
+    ) -> None:
         self._namespace = node.get_namespace()
         self._take_over = node.resolve_topic_name(TAKE_OVER.topic)
         self._interlock = interlock
@@ -206,12 +218,40 @@ class Presence:
         of_all.depth = MOST_OTHERS
         node.create_subscription(String, PRESENCE.topic, self._hear, of_all)
         node.create_subscription(String, TAKE_OVER.topic, self._give, profile(TAKE_OVER.qos))
-        self._forget = ticker.every(1.0 / PRESENCE.rate_hz, self._beat)
+        self._forget = [ticker.every(1.0 / PRESENCE.rate_hz, self._beat)]
+        self._hearers = self._join(node, hearers, ticker) if hearers else None
+
+    def _join(self, node: Node, hearers: Hearers, ticker: Ticker) -> Hearers | None:
+        """Join the group; without the right to, this robot answers whatever it hears."""
+        of_all = profile(HEARERS.qos)
+        of_all.depth = MOST_ROBOTS * MOST_UTTERANCES
+        try:
+            claims = node.create_publisher(String, HEARERS.topic, of_all)
+            node.create_subscription(String, HEARERS.topic, self._hear_claim, of_all)
+        except RuntimeError as error:  # an enclave of an older EdgeVox has no right to
+            log.error("group_unheard", group=hearers.group, reason=str(error))  # noqa: TRY400
+            return None
+        for reason in (Refusal.INVALID, Refusal.TOO_MANY):
+            self.refusals[HEARERS.topic, reason] = 0
+        hearers.send = lambda text: claims.publish(String(data=text))
+        self._forget.append(ticker.every(BEAT_S, hearers.beat))
+        return hearers
+
+    def _hear_claim(self, message: String) -> None:
+        if self._open and self._hearers:
+            try:
+                self._hearers.hear(message.data)
+            except InvalidValue as error:
+                self._refuse(HEARERS.topic, error)
+            self.refusals[HEARERS.topic, Refusal.TOO_MANY] = self._hearers.dropped
 
     def close(self) -> None:
         """Say that this agent leaves, so that another need not wait until it is missed."""
         self._open = False
-        self._forget()
+        for forget in self._forget:
+            forget()
+        if self._hearers:
+            self._hearers.leave()
         gone = ClaimMessage(replace(self._told.claim, leaving=True), in_charge=False)
         self._publisher.publish(String(data=write_claim(gone)))
 
@@ -220,7 +260,8 @@ class Presence:
         others = tuple(str(claim) for claim in self._here.values())
         claim = self._told.claim
         yields = bool(claim.robot) and not self._told.in_charge
-        return Sharing(self._namespace, claim.id, others, yields).status()
+        group = None if self._hearers is None else self._hearers.names
+        return Sharing(self._namespace, claim.id, others, yields, group).status()
 
     def _beat(self) -> None:
         self._beat_due = True

@@ -9,6 +9,7 @@ from edgevox.ros2.contract import (
     ACTION,
     DIAGNOSTICS,
     EXTERNAL_NODE,
+    HEARERS,
     NODE_NAME,
     PRESENCE,
     PUBLISHED,
@@ -128,8 +129,8 @@ def _agent(graph: Graph) -> Rights:
 
 
 def _talks(graph: Graph) -> Rights:
-    out = [row.topic for row in PUBLISHED] + [DIAGNOSTICS.topic, PRESENCE.topic]
-    into = [row.topic for row in SUBSCRIBED] + [row.topic for row in SHARED]
+    out = [row.topic for row in PUBLISHED] + [DIAGNOSTICS.topic, PRESENCE.topic, HEARERS.topic]
+    into = [row.topic for row in SUBSCRIBED] + [row.topic for row in (*SHARED, HEARERS)]
     heard = [*map(graph.at, into), DIAGNOSTICS.topic]
     return publishes(*map(graph.at, out)) | subscribes(*heard)
 

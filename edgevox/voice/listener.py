@@ -18,6 +18,7 @@ from edgevox.core.commands import (
 )
 from edgevox.core.errors import EdgeVoxError
 from edgevox.core.events import Cause, WakeWordHeard
+from edgevox.core.hearers import UtteranceHeard
 from edgevox.core.log import get_logger, worth_a_line
 from edgevox.core.settings import Echo
 from edgevox.core.speech import Ending, FollowUp
@@ -34,6 +35,7 @@ from edgevox.voice.audio import (
 from edgevox.voice.echo.canceller import VoiceOverEcho, open_echo
 from edgevox.voice.echo.gate import Unechoed
 from edgevox.voice.echo.played import PlayedSound
+from edgevox.voice.noise_floor import NoiseFloor, speech_db
 from edgevox.voice.stop_spotter.detector import StopDetector, StopWatch
 from edgevox.voice.stt.speech_to_text import SpeechToText
 from edgevox.voice.transcriber import KnownVoice, Transcriber, TranscriptionJob
@@ -116,6 +118,7 @@ class Listener:
         ending: Judges by its words whether an utterance is complete. None, in a file, and where the
             wake word is missing: a fixed silence.
         echo: How the robot's own voice is kept out: "cancel", "gate" or "none".
+        on_utterance: Takes how well an utterance is heard, before its words are known.
         played: The robot's own sound, the reference for "cancel".
         lossless: Wait for the transcriber instead of refusing utterances that it cannot keep up
             with. For files, never for a microphone.
@@ -142,6 +145,7 @@ class Listener:
         saying: Callable[[], str] = lambda: "",
         ending: Callable[[str], Ending] | None = None,
         echo: Echo = "gate",
+        on_utterance: Callable[[UtteranceHeard], None] | None = None,
         played: PlayedSound | None = None,
         lossless: bool = False,
         clock: Clock | None = None,
@@ -155,6 +159,8 @@ class Listener:
         self._clock = clock or SystemClock()
         self._meter = LevelMeter(bus.publish)
         self._echo = open_echo(echo, audible, played)
+        self._noise = NoiseFloor()
+        self._on_utterance = on_utterance
         self._endpointer = Endpointer()
         self._wake_gate = WakeGate()
         self._stops = stop_detector and StopWatch(stop_detector, saying=saying, language=language)
@@ -278,6 +284,8 @@ class Listener:
         self._listen_for_wake_word(clean, probability)
         self._wait_as_long_as_words_want()
         words = Frame(sound.words, frame.end_s)
+        if self._on_utterance and not self._echo.playing:
+            self._noise.push(sound.words, self._voices.any_voice)
         match self._endpointer.push(words, probability, surmised=surmised):
             case SpeechBegan(began_s=began_s):
                 if self._follow_up:
@@ -301,6 +309,7 @@ class Listener:
         job = self._job(speech)
         if not job or (job.unaddressed and not job.awaited):
             return
+        self._tell_heard(speech)
         if self._transcriber.guess(job) and self._judges:
             self._endpointer.end_after(ENDS_AFTER_S[Ending.OPEN])
 
@@ -369,6 +378,8 @@ class Listener:
         job = self._job(speech)
         if job is None:
             return
+        if not job.unaddressed or job.awaited:
+            self._tell_heard(speech)
         if self._wakeword is not None and not job.unaddressed:
             self._person_db = loudness_db(speech.samples)
             if not self._is_pressed(speech.began_s):
@@ -395,6 +406,20 @@ class Listener:
                     awaited=awaited,
                 )
         return None
+
+    def _tell_heard(self, speech: SpeechEnded | SpeechPaused) -> None:
+        if self._on_utterance is None:
+            return
+        floor_db = self._noise.floor_db
+        self._on_utterance(
+            UtteranceHeard(
+                speech.began_s,
+                speech.ended_s,
+                0.0 if floor_db is None else speech_db(speech.samples) - floor_db,
+                self._wake_gate.woken_for(speech),
+                asked=self._follow_up is not None and self._follow_up.asked(speech.ended_s),
+            )
+        )
 
     def _awaits(self, speech: SpeechEnded | SpeechPaused) -> bool:
         """Return whether it may be a follow-up: at its time, and as loud as the person before."""

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from edgevox.voice.audio import FRAME_S, Samples, rms
+from edgevox.voice.audio import FRAME_S, FRAME_SAMPLES, Samples, rms
 from edgevox.voice.utterance_end import VOICED
 from edgevox.voice.vad import VoiceDetector
 
@@ -67,6 +67,18 @@ class NoiseFloor:
 def decibels(level: float) -> float:
     """Convert a root mean square, 0 to 1, to decibels of full scale."""
     return max(SILENT_DB, 20 * math.log10(level)) if level > 0.0 else SILENT_DB
+
+
+def speech_db(samples: Samples) -> float:
+    """The mean level of the louder half of an utterance, in dB of full scale.
+
+    Its pauses do not count, and neither does how exactly its beginning and end were found. Of two
+    microphones, the nearer one has more of it; their loudest moments differ less.
+    """
+    frames = max(2, samples.size // FRAME_SAMPLES)
+    levels = sorted(rms(piece) for piece in np.array_split(samples, frames))
+    louder = levels[len(levels) // 2 :]
+    return decibels(math.sqrt(sum(level**2 for level in louder) / len(louder)))
 
 
 CLIPPED_FROM = 32_700

@@ -25,6 +25,7 @@ TABLES: Mapping[str, Callable[[], str]] = {
         ros2.audio,
         ros2.diagnostics,
         ros2.external,
+        ros2.group,
         ros2.interop,
         ros2.launch,
         ros2.launch_arguments,

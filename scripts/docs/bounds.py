@@ -5,11 +5,13 @@ from edgevox.agent.goals import executor as skill_executor
 from edgevox.agent.inbox import MAX_WAITING
 from edgevox.agent.nlu import interpreter
 from edgevox.apps.terminal import lines
+from edgevox.core import hearers
 from edgevox.core.files import text, user_file
 from edgevox.core.servers import http as http_request
 from edgevox.ops import http_server
 from edgevox.robots.world import load as world
 from edgevox.ros2 import audio, skill_action
+from edgevox.ros2.contract import HEARERS
 from edgevox.ros2.external.settings import MOST_LOCATIONS
 from edgevox.ros2.recorder import disk as write_queue
 from edgevox.scenario import format as scenario
@@ -29,6 +31,9 @@ def bounds() -> str:
         "a request to health or metrics": f"{http_server.MOST_BYTES >> 10} KB, "
         f"{http_server.REQUEST_S:g} s, {http_server.MOST_AT_ONCE} at once; beyond that, the "
         "oldest connection of the address with the most connections is closed",
+        f"`{HEARERS.topic}`": f"{hearers.MAX_CHARACTERS:,} characters a message, "
+        f"{hearers.MOST_PER_S:,} messages a second, {hearers.MOST_ROBOTS} robots, "
+        f"{hearers.MOST_UTTERANCES} utterances of each, {hearers.MOST_MS // 1000} s an utterance",
         "a model server's reply": f"{http_request.MOST_BYTES >> 20} MB",
         "a language model's answer": f"{interpreter.ANSWER_TOKENS} tokens",
         "a scenario": f"{scenario.MAX_STEPS:,} steps",

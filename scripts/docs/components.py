@@ -66,7 +66,8 @@ COMPONENTS: tuple[ComponentRow, ...] = (
     ),
     ComponentRow(
         ComponentName.PRESENCE,
-        "other agents on the same namespace and domain",
+        "other agents on the same namespace and domain; `group` names the robots of its"
+        " `answer_group`",
         "another one is here",
         "another one is here and in charge; this one refuses to move the robot",
         "end one of them, or publish the id of the one that should move the robot on `take_over`",

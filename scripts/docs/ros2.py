@@ -9,7 +9,7 @@ from typing import get_args
 from docs.markdown import first_line, table
 from edgevox.core.agent_events import AgentEvent, keys
 from edgevox.ros2 import contract, standard_topics
-from edgevox.ros2.contract_rows import Published, Qos, QosSpec, Subscribed
+from edgevox.ros2.contract_rows import Published, Qos, QosSpec, Shared, Subscribed
 
 LAUNCH = Path(__file__).resolve().parents[2] / "launch"
 
@@ -133,6 +133,15 @@ def diagnostics() -> str:
 
 def shared() -> str:
     """What the agents of one namespace say to each other."""
+    return _between(*contract.SHARED)
+
+
+def group() -> str:
+    """What the robots of a group say to each other."""
+    return _between(contract.HEARERS)
+
+
+def _between(*these: Shared) -> str:
     rows = (
         (
             f"`{one.topic}`",
@@ -142,7 +151,7 @@ def shared() -> str:
             f"{one.rate_hz:g} Hz" if one.rate_hz else "",
             one.about,
         )
-        for one in contract.SHARED
+        for one in these
     )
     return table(("topic", "direction", "type", "QoS", "rate", "what"), rows)
 

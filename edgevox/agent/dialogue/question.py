@@ -253,13 +253,17 @@ class FollowUps:
 
     def awaits(self, began_s: float, ended_s: float) -> bool:
         """See `FollowUp.awaits`."""
-        if self._question.counts_down:
+        if self.asked(ended_s):
             return True
         if not self._within_s:
             return False
-        if self._asked and self._question.is_answered_at(ended_s):
-            return True
         return self._answered_s <= began_s <= self._answered_s + self._within_s
+
+    def asked(self, ended_s: float) -> bool:
+        """See `FollowUp.asked`."""
+        if self._question.counts_down:
+            return True
+        return bool(self._within_s) and self._asked and self._question.is_answered_at(ended_s)
 
     def takes(self, text: str, confidence: float, began_s: float, ended_s: float) -> bool:
         """See `FollowUp.takes`."""

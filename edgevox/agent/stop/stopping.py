@@ -39,6 +39,12 @@ _TOLD = ("", _STANDING, "stopped", "program_stopped")
 """Names of the sentences said after a stop, in order of weight: of two, the later one is said."""
 
 
+Answer = Callable[
+    [TextInput | Heard, Callable[[TextInput | Heard], None], Callable[[], None]], None
+]
+"""Takes words, and what to call if this robot answers them, and if another does."""
+
+
 class Stopping:
     """Stops the robot, on the calling thread, without waiting for the conversation's thread.
 
@@ -63,6 +69,7 @@ class Stopping:
         question: OpenQuestion,
         turn: Callable[[], Turn | None],
         phrases: Callable[[], Phrasebook],
+        answer: Answer,
         language: str,
         phonemes: Phonemes | None = None,
     ) -> None:
@@ -79,6 +86,7 @@ class Stopping:
             question: The question that waits for an answer; a stop cancels it.
             turn: Returns the running turn, or None.
             phrases: Returns the sentences of the current language.
+            answer: Has the words after a stop word answered by one of the robots that heard them.
             language: ISO 639-1 code of the first language whose stop words count.
             phonemes: Pronunciations, to also find misheard stop words while something moves; None
                 turns this off.
@@ -96,6 +104,7 @@ class Stopping:
         self._question = question
         self._turn = turn
         self._phrases = phrases
+        self._have_answered = answer
         self._phonemes = phonemes
         self.set_language(language)
         self._stopped_s = self._spotted_s = self._withdrawn_s = float("-inf")
@@ -236,10 +245,25 @@ class Stopping:
         told = _weightier(untold, _told(stopped=stopped, waited=waited)) if tell else ""
         before, after = self._safety.around(word, words.text)
         if after:
-            told = self._phrases().say(told) if told and told != _STANDING else ""
-            self._inbox.put(inbox.Stopped(told, words, before, after), self._interlock.mark)
+            mark, said = self._interlock.mark, "" if told == _STANDING else told
+            text = self._phrases().say(said) if said else ""
+            self._have_answered(
+                words,
+                lambda own: self._continue(inbox.Stopped(text, own, before, after), mark),
+                lambda: self._answer(said),
+            )
         else:
             self._answer(told)
+
+    def _continue(self, stopped: inbox.Stopped, mark: int) -> None:
+        with self._inbox.gate:
+            if not self._interlock.outdated(mark):
+                self._inbox.put(stopped, mark)
+
+    def leave(self, words: TextInput | Heard) -> None:
+        """Leave these words to another robot."""
+        self._bus.publish(Transcribed(clean(words.text)))
+        self._answer("")
 
     def interrupt(self, reason: str, cause: Cause, *, motion: bool) -> None:
         """Stop everything; without `motion`, only stop talking, because a person wants to speak."""

@@ -38,7 +38,14 @@ from edgevox.apps.terminal import run_terminal
 from edgevox.core.bus import Bus
 from edgevox.core.commands import Speak
 from edgevox.core.controls import Controls
-from edgevox.core.events import ControlChanged
+from edgevox.core.errors import InvalidValue
+from edgevox.core.events import (
+    ControlChanged,
+    SentenceReady,
+    State,
+    StateChanged,
+)
+from edgevox.core.hearers import Hearers
 from edgevox.core.log import get_logger
 from edgevox.core.motion.drain import Drain
 from edgevox.core.motion.interlock import Interlock, InterlockComponent
@@ -140,6 +147,7 @@ def build_parts(stack: ExitStack, settings: Settings, body: Body | None) -> Agen
     if model:
         stack.callback(model.close)
     interlock = Interlock()
+    hearers = _open_hearers(settings, bus) if voice else None
     halt = body.halt if body else lambda _: False
     conversation = Conversation(
         agents,
@@ -155,6 +163,7 @@ def build_parts(stack: ExitStack, settings: Settings, body: Body | None) -> Agen
         phonemes=open_phonemes() if voice else None,
         known=known_of(body) if body else NOTHING_KNOWN,
         follow_up_s=settings.follow_up_s,
+        hearers=hearers,
     )
     bus.subscribe(ControlChanged, lambda change: _follow(conversation, change))
     software_stop = SoftwareStop(interlock, bus, conversation.stop, because("software_stop"))
@@ -179,6 +188,7 @@ def build_parts(stack: ExitStack, settings: Settings, body: Body | None) -> Agen
             follow_up=conversation.follow_ups,
             ending=endings(conversation).of,
             guard=guard,
+            on_utterance=hearers.heard if hearers else None,
         )
         if voice
         else None
@@ -204,7 +214,21 @@ def build_parts(stack: ExitStack, settings: Settings, body: Body | None) -> Agen
         robot_skills,
         software_stop=software_stop,
         drain=drain,
+        hearers=hearers,
     )
+
+
+def _open_hearers(settings: Settings, bus: Bus) -> Hearers | None:
+    """Open the robots of its group; None without a group. Raises `InvalidValue` without ROS 2."""
+    if not settings.answer_group:
+        return None
+    if not settings.ros2:
+        raise InvalidValue("answer_group", settings.answer_group, "--ros2 beside it")
+    name = settings.spoken_name or settings.agent_namespace.strip("/").replace("_", " ")
+    hearers = Hearers(name, settings.answer_group)
+    bus.subscribe(SentenceReady, lambda event: hearers.says(event.text))
+    bus.subscribe(StateChanged, lambda event: hearers.speaks(event.state is State.SPEAKING))
+    return hearers
 
 
 def start_parts(stack: ExitStack, parts: AgentParts, ros_args: Sequence[str] = ()) -> None:
@@ -299,6 +323,7 @@ def _bridge_context(parts: AgentParts) -> BridgeContext:
         parts.interlock,
         parts.guard,
         parts.robot_skills.handle,
+        parts.hearers,
     )
 
 

@@ -16,6 +16,7 @@ from edgevox.core.commands import Command, Query, SetLanguage, SetMuted, SetVoic
 from edgevox.core.controls import Controls
 from edgevox.core.errors import InvalidValue
 from edgevox.core.events import Answered
+from edgevox.core.hearers import Hearers
 from edgevox.core.motion.drain import Drain
 from edgevox.core.motion.interlock import Interlock
 from edgevox.core.motion.software_stop import SoftwareStop
@@ -97,6 +98,8 @@ class AgentParts:
     robot_skills: RobotSkills = field(default_factory=RobotSkills)
     software_stop: SoftwareStop = field(kw_only=True)
     drain: Drain = field(kw_only=True)
+    hearers: Hearers | None = None
+    """The robots of its group that hear the same person; None without a group."""
     notes: list[str] = field(default_factory=list)
     """Lines that a full screen would hide and shows again."""
 

@@ -23,6 +23,7 @@ from edgevox.core.commands import Command, Speak, Way
 from edgevox.core.controls import Controls
 from edgevox.core.errors import InvalidValue
 from edgevox.core.events import ControlChanged
+from edgevox.core.hearers import UtteranceHeard
 from edgevox.core.languages import LANGUAGES, STT_BACKEND
 from edgevox.core.log import get_logger
 from edgevox.core.servers.address import Address
@@ -335,6 +336,7 @@ def build_listener(
     follow_up: FollowUp,
     ending: Callable[[str], Ending],
     guard: Guard,
+    on_utterance: Callable[[UtteranceHeard], None] | None = None,
 ) -> Listener:
     """Build the listener, not started; its commands go to `submit`.
 
@@ -359,6 +361,7 @@ def build_listener(
         known=open_known_voices(settings, guard),
         stop_detector=open_stop_detector(settings),
         ending=ending,
+        on_utterance=on_utterance,
         saying=voice.speech_output.saying,
         echo="none" if from_files else settings.echo,  # nothing comes back into a file
         played=voice.played,

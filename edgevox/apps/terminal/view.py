@@ -16,6 +16,7 @@ from edgevox.core.agent_events import (
     GoalStatus,
     HandedOver,
     SoftwareStopChanged,
+    UtteranceLeft,
 )
 from edgevox.core.bus import Bus
 from edgevox.core.controls import Controls
@@ -116,6 +117,8 @@ class View:
                 self._write(f"  [{giver} hands over to {taker}]")
             case SoftwareStopChanged(engaged=engaged, by=by):
                 self._write(f"  [{'stopped' if engaged else 'resumed'} by {by}]")
+            case UtteranceLeft(robot=robot):
+                self._write(f"  [not me: {robot}]")
             case GoalChanged() | GoalCancelled():
                 with self._lock:
                     self._progress = _progress(event)

@@ -18,6 +18,7 @@ from edgevox.core.agent_events import (
     SafetyPreempted,
     SoftwareStopChanged,
     ToolCalled,
+    UtteranceLeft,
 )
 from edgevox.core.bus import Bus
 from edgevox.core.clock import Clock, SystemClock
@@ -69,6 +70,9 @@ class BusLog:
             ),
             bus.subscribe(WakeWordHeard, lambda event: log.info("wake_word", phrase=event.phrase)),
             bus.subscribe(ControlChanged, self._on_change),
+            bus.subscribe(
+                UtteranceLeft, lambda event: log.info("utterance_left", robot=event.robot)
+            ),
             bus.subscribe(AgentEvent, self._on_agent_event),
         ]
 

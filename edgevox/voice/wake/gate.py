@@ -89,7 +89,7 @@ class WakeGate:
 
     def judge(self, speech: SpeechEnded | SpeechPaused, *, awaited: bool = False) -> WakeDecision:
         """Decide on the utterance, as if it were over; `awaited` if it may be a follow-up."""
-        woken_s = self._woken_for(speech)
+        woken_s = self.woken_for(speech)
         if woken_s is not None:
             alone = woken_s >= speech.began_s and speech.ended_s - woken_s < PHRASE_ALONE_S
             # After the phrase alone, what is meant comes next.
@@ -100,18 +100,18 @@ class WakeGate:
 
     def take(self, speech: SpeechEnded) -> None:
         """Use the wake word up: later speech needs another one, unless this utterance goes on."""
-        taken = speech.began_s, self._woken_for(speech)
+        taken = speech.began_s, self.woken_for(speech)
         self.reset()
         self._taken = taken
 
     def phrase_from(self, speech: SpeechEnded | SpeechPaused) -> float | None:
         """Seconds into the utterance at which the wake word may begin; None if it is not in it."""
-        woken_s = self._woken_for(speech)
+        woken_s = self.woken_for(speech)
         if woken_s is None or not speech.began_s <= woken_s <= speech.ended_s + 0.2:
             return None
         return max(0.0, woken_s - PHRASE_S - speech.began_s)
 
-    def _woken_for(self, speech: SpeechEnded | SpeechPaused) -> float | None:
+    def woken_for(self, speech: SpeechEnded | SpeechPaused) -> float | None:
         """Return when the wake word was heard that this speech follows; None without one."""
         if self._taken and self._taken[0] == speech.began_s:
             return self._taken[1]

@@ -12,6 +12,7 @@ from edgevox.agent.llm.remote import FallbackModel
 from edgevox.apps.agent.build import build_parts, list_components
 from edgevox.apps.folders import places_folder, written_folders
 from edgevox.core.cancel import CancelToken
+from edgevox.core.errors import InvalidValue
 from edgevox.core.servers.errors import Unreachable
 from edgevox.core.settings import check_settings
 from edgevox.core.status import Gauges, Level
@@ -46,6 +47,13 @@ def test_every_agent_lists_the_same_components_and_what_is_off_is_well(listed):
     parts = "audio stt llm tts sim executor presence console recordings recorder"
     assert off == dict.fromkeys(parts.split(), Level.OK)
     assert all(row.name in DIAGNOSTICS.about for row in COMPONENTS)
+
+
+def test_a_group_needs_ros_2():
+    silent = {"audio_in": "none", "audio_out": "none", "llm": "none"}
+    with ExitStack() as stack, pytest.raises(InvalidValue, match="--ros2") as refused:
+        build_parts(stack, check_settings(silent | {"answer_group": "hall"}), None)
+    assert refused.value.field == "answer_group"
 
 
 def test_a_body_tells_its_kind_pace_and_battery(listed):

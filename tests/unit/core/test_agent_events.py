@@ -24,6 +24,7 @@ from edgevox.core.agent_events import (
     SafetyPreempted,
     SoftwareStopChanged,
     ToolCalled,
+    UtteranceLeft,
     as_json,
 )
 from edgevox.core.bus import Bus
@@ -105,6 +106,7 @@ EVENTS = (
         DrainChanged(DrainStatus.DRAINING, "SIGTERM", 20.0),
         '{"kind": "drain", "status": "draining", "by": "SIGTERM", "within_s": 20.0}',
     ),
+    (UtteranceLeft("Rosie"), '{"kind": "utterance_left", "robot": "Rosie"}'),
     (
         Confirmation(
             ConfirmationStatus.ASKED, "Shall I?", (AskedCall("drive", {"far": 2}),), 20.0, 3

@@ -179,3 +179,10 @@ def test_the_component_is_as_bad_as_it_is(others, yields, level):
     assert said.level == level
     assert "/robot1" in said.message
     assert said.texts["in_charge"] == str(not yields).lower()
+
+
+def test_the_component_names_the_robots_of_its_group_if_there_is_one():
+    assert "group" not in Sharing("/robot1", "00000001").status().values
+    said = Sharing("/robot1", "00000001", group=("Bender", "Max")).status()
+    assert said.level == Level.OK
+    assert said.values["group"] == "Bender, Max"

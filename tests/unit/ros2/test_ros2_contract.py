@@ -1,6 +1,7 @@
 """The table in code promises exactly what the contract's YAML file promises."""
 
 import ast
+from dataclasses import fields
 from pathlib import Path
 
 import pytest
@@ -20,6 +21,7 @@ from edgevox.core.commands import (
 )
 from edgevox.core.errors import InvalidValue
 from edgevox.core.events import Answered, Cause, State, TurnMeasured
+from edgevox.core.hearers import Claim
 from edgevox.core.settings import Settings
 from edgevox.ros2 import contract, split_ros_args, standard_topics
 
@@ -70,6 +72,15 @@ def test_the_topics_that_agents_share_are_the_contracts():
     }
     for key in PROMISED["shared"]["presence"]["json"]:
         assert key in contract.PRESENCE.about
+
+
+def test_the_topic_of_a_group_is_the_contracts():
+    ((topic, row),) = PROMISED["group"].items()
+    ours = contract.HEARERS
+    assert (ours.topic, ours.type, ours.qos.name.lower()) == (topic, row["type"], row["qos"])
+    assert [one.name for one in fields(Claim)] == row["json"]
+    for key in row["json"]:
+        assert key in ours.about
 
 
 def test_the_parameters_of_the_contract_are_there_with_their_defaults():

@@ -33,6 +33,14 @@ def test_a_robot_says_what_the_contract_has_it_say_and_no_more() -> None:
     assert own_topics(of(EnclaveRole.ROBOT).publish) == SPOKEN | standard | {"audio_out"}
 
 
+def test_robots_of_a_group_hear_each_other_and_nobody_else_speaks_as_one() -> None:
+    (topic,) = CONTRACT["group"]
+    rights = {role: of(role) for role in EnclaveRole}
+    assert all(f"rt{topic}" in one.subscribe for one in rights.values())
+    speaking = [role for role, one in rights.items() if f"rt{topic}" in one.publish]
+    assert speaking == [EnclaveRole.ROBOT]
+
+
 def test_a_robot_hears_what_the_contract_has_it_hear_and_no_more() -> None:
     assert own_topics(of(EnclaveRole.ROBOT).subscribe) == UNDERSTOOD | INTO | {"audio_in"}
 
@@ -78,7 +86,15 @@ def test_nobody_may_a_thing_of_another_robots_namespace(role: EnclaveRole) -> No
     rights = of(role)
     assert not [one for one in rights.publish | rights.subscribe if "/edgevox/list_voices" in one]
     names = {one[2:] for one in rights.publish | rights.subscribe if one[2] == "/"}
-    wide = ("/_ros2cli_*/", "/tf", "/clock", "/rosout", "/diagnostics", "/parameter_events")
+    wide = (
+        "/_ros2cli_*/",
+        "/tf",
+        "/clock",
+        "/rosout",
+        "/diagnostics",
+        "/parameter_events",
+        "/hearers",
+    )
     assert all(name.startswith(("/robot1/", *wide)) for name in names)
     assert not any("*" in name.removeprefix("/_ros2cli_*") for name in names)
 

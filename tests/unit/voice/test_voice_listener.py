@@ -1,5 +1,6 @@
 """The listener with everything around it scripted: a voice is a frame whose samples are 8000."""
 
+import math
 import threading
 
 import pytest
@@ -19,7 +20,13 @@ def listen():
     running = []
 
     def run(
-        stt, *steps, wakeword=None, audible=lambda: 0.0, muted=lambda: False, said=None, **more
+        stt,
+        *steps,
+        wakeword=None,
+        audible=lambda: 0.0,
+        muted=lambda: False,
+        said=None,
+        **more,
     ):
         bus, said, events = Bus(), [] if said is None else said, []
         bus.subscribe(AudioLevel, events.append)
@@ -217,6 +224,9 @@ class Answers:
 
     def awaits(self, began_s, ended_s):
         return began_s < ended_s
+
+    def asked(self, ended_s):
+        return True
 
     def takes(self, text, confidence, began_s, ended_s):
         return text == "yes"
@@ -443,3 +453,31 @@ def test_a_word_that_cannot_be_told_costs_no_utterance(listen, caplog):
 
     assert words(said) == ["wait"]
     assert "command_untaken" in caplog.text
+
+
+def test_how_well_an_utterance_is_heard_is_told_before_its_words_are_known(listen):
+    told = []
+
+    class Slow(Stt):
+        def transcribe(self, samples, language):
+            assert told, "before anybody looks for words"
+            return super().transcribe(samples, language)
+
+    listen(Slow("yes"), *[80] * 40, *spoken(), follow_up=Answers(), on_utterance=told.append)
+
+    assert all(one.began_s == pytest.approx(40 * FRAME_S) for one in told)
+    assert told[-1].ended_s == pytest.approx(60 * FRAME_S)
+    assert told[-1].stands_out_db == pytest.approx(20 * math.log10(VOICE / 80), abs=0.5)
+    assert told[-1].woken_s is None
+    assert told[-1].asked
+
+
+def test_speech_without_the_wake_word_is_claimed_only_if_it_may_be_an_answer(listen):
+    told = []
+
+    listen(
+        Stt("we had lunch", "go"), *spoken(), *ADDRESSED, wakeword=Wake(), on_utterance=told.append
+    )
+
+    assert told
+    assert all(one.woken_s == pytest.approx(71 * FRAME_S) for one in told)

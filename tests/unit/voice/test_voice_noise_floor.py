@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from edgevox.voice.audio import FRAME_S, FRAME_SAMPLES
-from edgevox.voice.noise_floor import LEAST_FRAMES, SILENT_DB, WINDOW_S, NoiseFloor
+from edgevox.voice.audio import FRAME_S, FRAME_SAMPLES, RATE_HZ
+from edgevox.voice.noise_floor import LEAST_FRAMES, SILENT_DB, WINDOW_S, NoiseFloor, speech_db
 
 VOICE, NONE = 0.9, 0.05
 
@@ -64,3 +64,11 @@ def test_silence_is_as_quiet_as_16_bits_are():
     noise = NoiseFloor()
 
     assert noise.push(np.zeros(FRAME_SAMPLES, np.int16), NONE) == SILENT_DB
+
+
+def test_the_level_of_speech_is_that_of_its_louder_half():
+    loud, quiet = np.full(RATE_HZ, 3277, np.int16), np.full(RATE_HZ // 2, 30, np.int16)
+
+    assert speech_db(loud) == pytest.approx(-20.0, abs=0.1)
+    assert speech_db(np.concatenate([quiet, loud, quiet])) == pytest.approx(-20.0, abs=0.1)
+    assert speech_db(np.zeros(0, np.int16)) == SILENT_DB
