@@ -422,7 +422,7 @@ class Conversation:
         left: Callable[[], None],
     ) -> None:
         """Call `answer`; or `left`, if the words were spoken and another robot answers them."""
-        heard = words if isinstance(words, Heard) and words.way is Way.VOICE else None
+        heard = words if isinstance(words, Heard) and words.way.spoken else None
         if self._hearers is None or heard is None:
             answer(words)
             return
