@@ -26,7 +26,7 @@ from edgevox.core.bus import Bus
 from edgevox.core.errors import InvalidValue
 from edgevox.core.files.text import one_line
 from edgevox.core.settings import Settings
-from edgevox.robots.capabilities import Body, FromFile
+from edgevox.robots.capabilities import Body, FromFile, TellsConditions
 
 SHORT = 60
 """Instead of a longer template, one of its sentences is shown."""
@@ -61,7 +61,7 @@ def _tell_file(body: FromFile, skills: Sequence[Skill]) -> bool:
     works = not body.skills_off
     for name, why in body.skills_off.items():
         show(one_line(f"{name} is off: {why}"), error=True)
-    for one in conflicts(body, skills):
+    for one in (*conflicts(body, skills), *_stops(body)):
         show(one_line(str(one)), error=True)
         works &= isinstance(one, str)
     return works
@@ -96,6 +96,17 @@ def conflicts(body: FromFile, skills: Sequence[Skill]) -> Iterator[InvalidValue 
             )
             if first := next(found, None):
                 yield first
+
+
+def _stops(body: FromFile) -> Iterator[InvalidValue]:
+    """The conditions of the body that would stop it, at most one sentence of each."""
+    for name, one in (body.conditions if isinstance(body, TellsConditions) else {}).items():
+        for code, templates in one.sentences.items():
+            said = (s for t in templates for s in _sentences(parse_sentence(t).expression, {}))
+            found = ((s, word) for s in said if (word := find_stop_word(code, s)))
+            if stopping := next(found, None):
+                expected = f"a sentence without {stopping[1]!r}, which stops the robot"
+                yield InvalidValue(f"state.{name.split()[0]}.when", stopping[0], expected)
 
 
 def _conflict(

@@ -105,6 +105,8 @@ class ExternalRobot:
         known = OneOf(tuple(self._places), aliases, names=names)
         self.place_memory = PlaceMemory(namespace, known)
         self._described, self._states = described, states
+        self.conditions = states.conditions()
+        """What its states let orders wait for."""
         if states.has_battery:  # else it has none that could be asked for
             self.battery = states.battery
         self.ros = AgentNodeHandle(self._clock)
@@ -446,6 +448,8 @@ class StationaryRobot:
     ) -> None:
         self._namespace = namespace
         self._described: Sequence[DescribedSkill | RobotStates] = (*described, states)
+        self.conditions = states.conditions()
+        """What its states let orders wait for."""
         if states.has_battery:
             self.battery = states.battery
         self._clock = clock or SystemClock()

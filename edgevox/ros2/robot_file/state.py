@@ -5,11 +5,16 @@ of such values: where one is not so, or is not known, nothing begins, and the ro
 """
 
 from collections.abc import Mapping, Sequence
+from functools import partial
 from math import isfinite
 from typing import Any
 
+from hassil.parse_expression import parse_sentence
+from hassil.parser import ParseError
 from rclpy.node import Node
 
+from edgevox.agent.known import VALUE, StateCondition
+from edgevox.agent.phrases.load import ENGLISH
 from edgevox.agent.skills import SkillFailed
 from edgevox.core.cancel import CancelToken
 from edgevox.core.clock import Clock
@@ -17,10 +22,17 @@ from edgevox.core.files.validation import Place, Problems
 from edgevox.core.files.yaml_file import YamlFile
 from edgevox.core.reason import Reason
 from edgevox.ros2.clients import THERE_S, TopicListener, interface_reason
-from edgevox.ros2.robot_file.format import BATTERY, Need, RobotFile, SkillEntry, StateEntry
+from edgevox.ros2.robot_file.format import (
+    BATTERY,
+    Condition,
+    Need,
+    RobotFile,
+    SkillEntry,
+    StateEntry,
+)
 from edgevox.ros2.robot_file.live import compares, value_of
-from edgevox.ros2.robot_file.messages import InterfaceMissing, constant
-from edgevox.ros2.robot_file.plan import ANY, PlannedState, Planner
+from edgevox.ros2.robot_file.messages import InterfaceMissing, arguments_in, constant
+from edgevox.ros2.robot_file.plan import ANY, PlannedState, Planner, is_number
 from edgevox.ros2.robot_file.steps import Step
 
 
@@ -46,6 +58,26 @@ class RobotStates:
     def has_battery(self) -> bool:
         """Whether one of them is the charge of the robot's battery."""
         return BATTERY in self._planned
+
+    def conditions(self) -> dict[str, StateCondition]:
+        """What orders can wait for, by state and number."""
+        return {
+            f"{name} {number}": StateCondition(
+                {"en": one.sentences, **one.languages}, partial(self._is_so, name, one)
+            )
+            for name, planned in self._planned.items()
+            for number, one in enumerate((*planned.entry.when, *_usual_conditions(name, planned)))
+        }
+
+    def _is_so(self, name: str, condition: Condition, said: float | None) -> bool:
+        """Whether the state is so now; false while it is not known."""
+        message = self._heard[name].newest() if name in self._heard else None
+        value = None if message is None else self._value(name, message)
+        if value is None:
+            return False
+        return compares(
+            value, condition.compared(said), constant(self._planned[name].owner, condition.equals)
+        )
 
     def battery(self) -> float:
         """The charge, from 0 to 1. Raises `SkillFailed` while it is not known."""
@@ -105,6 +137,13 @@ def planned_states(
             planned[name] = Planner({}, file, problems).plan_state(entry, ("state", name))
         except InterfaceMissing as error:
             off[name] = str(error)
+        for number, condition in enumerate(entry.when):
+            where = ("state", name, "when", number)
+            _check_condition(condition, file, where, problems)
+            if name in planned:
+                how = condition.compared(0.0)
+                with problems.collect():
+                    Planner({}, file, problems).check_compared(how, planned[name], where)
     named: list[tuple[Place, Sequence[Need]]] = [(("needs",), robot.needs)]
     named += [(("skills", name, "needs"), one.needs) for name, one in robot.skills.items()]
     for place, needs in named:
@@ -115,8 +154,37 @@ def planned_states(
                     expected = "a state: one of " + (", ".join(robot.state) or "none")
                     raise file.wrong((*at, "state"), one.state, expected)
                 if one.state in planned:
-                    Planner({}, file, problems).check_need(one, planned[one.state], at)
+                    Planner({}, file, problems).check_compared(one, planned[one.state], at)
     return planned, off
+
+
+def _check_condition(one: Condition, file: YamlFile, at: Place, problems: Problems) -> None:
+    """Find sentences that are no templates."""
+    for code, some in {ENGLISH: one.sentences, **one.languages}.items():
+        place = (*at, "sentences") if code == ENGLISH else (*at, "languages", code)
+        for index, sentence in enumerate(some):
+            with problems.collect():
+                try:
+                    parse_sentence(sentence)
+                except (ParseError, ValueError) as error:
+                    raise file.wrong((*place, index), sentence, f"a template ({error})") from None
+                if arguments_in(sentence) - {VALUE}:
+                    raise file.wrong((*place, index), sentence, "no slot but {value}")
+
+
+_MORE, _LESS = "(above|over|more than|higher than)", "(below|under|less than|lower than)"
+
+
+def _usual_conditions(name: str, planned: PlannedState) -> list[Condition]:
+    """The conditions of a number, in English; EdgeVox has those of the battery by itself."""
+    if name == BATTERY or not is_number(planned.value_type):
+        return []
+    called = f"[the|your|my] {name.replace('_', ' ')} (is|gets|goes|rises|falls|drops)"
+    unit = f" [{planned.entry.unit}]" if planned.entry.unit else ""
+    return [
+        Condition(above="{value}", sentences=[f"{called} {_MORE} {{value}}{unit}"]),
+        Condition(below="{value}", sentences=[f"{called} {_LESS} {{value}}{unit}"]),
+    ]
 
 
 def questions(robot: RobotFile, planned: Mapping[str, PlannedState]) -> dict[str, SkillEntry]:
