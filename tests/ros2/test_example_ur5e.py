@@ -132,7 +132,7 @@ def test_it_says_what_it_can_and_nothing_else_and_drives_nowhere(talk, arm):
     assert "move the arm to a named pose" in can
     arm.assert_it_drives_nowhere("I do not know the word 'kitchen'.")
     talk.speak("de")
-    talk.say("was kannst du", "Ich kann: den Arm in eine Haltung bringen, die ich kenne; ")
+    talk.say("was kannst du", "den Arm in eine Haltung bringen, die ich kenne; ")
 
 
 def test_an_arm_that_is_gone_is_not_moved(talk, arm):
