@@ -5,6 +5,7 @@ Also here: the words for a skill's values, in each language.
 
 from collections.abc import Iterator, Mapping
 from string import Formatter
+from types import MappingProxyType
 from typing import Annotated, Any, Protocol
 
 from pydantic import BaseModel, ConfigDict, Field, create_model
@@ -55,6 +56,7 @@ class Known(Protocol):
 
 Constants = Mapping[str, Mapping[str, Any]]
 """The constants by which the file may call the values of results, by the results' names."""
+NO_CONSTANTS: Constants = MappingProxyType({})
 
 
 def by_value(
@@ -117,7 +119,7 @@ REASON = "reason"
 
 
 def failure_of(
-    entry: SkillEntry, found: Reason, values: Mapping[str, Any], constants: Constants
+    entry: SkillEntry, found: Reason, values: Mapping[str, Any], constants: Constants = NO_CONSTANTS
 ) -> Reason:
     """Return a failure in the file's words, in each language in which it has some.
 

@@ -31,6 +31,7 @@ from edgevox.ros2.robot_file.steps import (
     ActionInterface,
     Comparison,
     FieldCondition,
+    Request,
     ResultValue,
     Scalar,
     Step,
@@ -130,15 +131,13 @@ class Planner:
                 raise self._file.wrong((*at, "field"), entry.field, expected)
         return PlannedState(entry, kind, owner, value_type)
 
-    def check_compared(self, how: Comparison, state: PlannedState, at: Place) -> None:
-        """Raise `InvalidValue` for a comparison that this state can never meet."""
+    def check_compared(self, how: Comparison, name: str, state: PlannedState, at: Place) -> None:
+        """Raise `InvalidValue` for a comparison that the state of this name can never meet."""
         if state.value_type == ANY:
             return
         compared = how.above is not None or how.below is not None
         if compared and not is_number(state.value_type):
-            raise self._file.wrong(
-                at, state.entry.field, "a number, to be above or below something"
-            )
+            raise self._file.wrong(at, name, "a number, to be above or below something")
         if how.equals is not None:
             value = constant(state.owner, how.equals)
             if other := _unlike(state.value_type, value):
@@ -151,10 +150,10 @@ class Planner:
             expected = "no velocity: a robot is driven by navigate_to and its like, and limited"
             raise self._file.wrong((*at, "publish", "type"), name, expected)
 
-    def _check_request(self, request: Any, template: Mapping[str, Any], at: Place) -> None:
+    def _check_request(self, request: Any, template: Request, at: Place) -> None:
         self._check_named(template, at)
         if request is None and template:
-            raise self._file.wrong(at, dict(template), "nothing: what only hears has no request")
+            raise self._file.wrong(at, template, "nothing: what only hears has no request")
         if request is None or ANY in {self.results.get(one) for one in arguments_in(template)}:
             return
         for tried, values in self._samples():

@@ -143,7 +143,7 @@ def planned_states(
             if name in planned:
                 how = condition.compared(0.0)
                 with problems.collect():
-                    Planner({}, file, problems).check_compared(how, planned[name], where)
+                    Planner({}, file, problems).check_compared(how, name, planned[name], where)
     named: list[tuple[Place, Sequence[Need]]] = [(("needs",), robot.needs)]
     named += [(("skills", name, "needs"), one.needs) for name, one in robot.skills.items()]
     for place, needs in named:
@@ -154,7 +154,9 @@ def planned_states(
                     expected = "a state: one of " + (", ".join(robot.state) or "none")
                     raise file.wrong((*at, "state"), one.state, expected)
                 if one.state in planned:
-                    Planner({}, file, problems).check_compared(one, planned[one.state], at)
+                    Planner({}, file, problems).check_compared(
+                        one, one.state, planned[one.state], at
+                    )
     return planned, off
 
 

@@ -43,6 +43,22 @@ def test_an_order_has_its_parts_in_any_sequence(machine, code, order, arguments)
     assert [(one.skill, one.arguments) for one in found.calls] == [("make_coffee", arguments)]
 
 
+def test_a_percent_sign_is_heard_as_the_word(tmp_path):
+    file = tmp_path / "robot.yaml"
+    file.write_text(
+        "drives: false\nskills:\n  dim:\n    description: Dim the lamp.\n    moves: false\n"
+        "    arguments: {level: {type: integer, min: 0, max: 100}}\n"
+        "    publish: {name: lamp, type: std_msgs/msg/Int32}\n    request: {data: '{level}'}\n"
+        "    sentences: ['dim to {level} percent']\n"
+        "    languages: {de: {sentences: ['dimme auf {level} Prozent']}}\n"
+    )
+    skills = SkillSet(build_body("robot-external", Settings(robot_file=file), 0.0).skills)
+    for code, said in (("en", "dim to 50%"), ("en", "dim to 50 %."), ("de", "dimme auf 50%")):
+        found = Recogniser(skills, code).recognise(said)
+        assert isinstance(found, Understood), said
+        assert found.calls[0].arguments == {"level": 50}
+
+
 def test_what_only_begins_like_an_order_is_none(machine):
     heard = Recogniser(SkillSet(machine.skills), "en")
     assert not isinstance(heard.recognise("make me a large table"), Understood)
