@@ -1,9 +1,11 @@
 """One server that hears for 1 to 20 robots, and what a hanging one costs.
 
-A real wyoming-faster-whisper with the smallest Whisper. Each robot says a sentence of three seconds
-and, five seconds after its words came, the next. What is on board takes `ON_BOARD_S` and says that
-it was on board, so that it takes no time of the server's processor. At the end the server is halted
-(SIGSTOP): the first sentence of each robot shows what that costs beyond what is on board.
+Two servers: a real wyoming-faster-whisper with the smallest Whisper, and one that stands in for a
+graphics card, which takes `CARD_S` for a sentence, one at a time. Each robot says a sentence of
+three seconds and, five seconds after its words came, the next. What is on board takes `ON_BOARD_S`
+and says that it was on board, so that it takes no time of the server's processor. At the end the
+server is halted (SIGSTOP): the first sentence of each robot shows what that costs beyond what is on
+board.
 """
 
 import os
@@ -16,7 +18,7 @@ import sys
 import tempfile
 import threading
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import closing, contextmanager
 from dataclasses import dataclass, field
@@ -24,7 +26,11 @@ from dataclasses import dataclass, field
 import numpy as np
 from listener_rig import loud, says_espeak, silence
 from ports import free_port
+from speech_server import wyoming_speech
 from waiting import wait_until
+from wyoming.asr import Transcript as WyomingTranscript
+from wyoming.event import Event
+from wyoming.info import Describe, Info
 
 from benchmarks.core.figures import Figure, Measured, NotHere
 from edgevox.core.cancel import CancelToken
@@ -42,6 +48,11 @@ SECONDS = {1: 15, 2: 15, 5: 15, 10: 20, 20: 25}
 """How long so many robots talk."""
 PAUSE_S, ON_BOARD_S, WARM_S, HANGS = 5.0, 0.5, 60.0, 5
 TIMEOUT_S = float(Settings.model_fields["stt_endpoint_timeout"].default)
+CARD_S = 0.2
+WAYS = {
+    "card": f"a server that takes {CARD_S} s for a sentence",
+    "whisper": f"{MODEL} on this computer",
+}
 SAID = (
     "go to the kitchen and then to the office please",
     "drive to the bedroom and come back to me",
@@ -80,15 +91,13 @@ def measure(quick: bool = False) -> Measured:
     """All numbers of robots, then a server that hangs."""
     sounds = [np.concatenate([loud(says_espeak(one, "en-us"), 0.1), silence(0.5)]) for one in SAID]
     figures = list[Figure]()
+    with _card() as url:
+        figures += _shared("card", url, sounds, quick=quick)
     with _server() as (url, server):
         first = open_hearing_server(Address(url, timeout_s=WARM_S))
         first.transcribe(sounds[0], "en", "", CancelToken())
         first.close()
-        for count, seconds in [(1, 4), (5, 4)] if quick else SECONDS.items():
-            with _robots(url, count) as robots:
-                began_s = time.monotonic()
-                _talk(robots, sounds, seconds)
-                figures += _figures(robots, time.monotonic() - began_s)
+        figures += _shared("whisper", url, sounds, quick=quick)
         server.send_signal(signal.SIGSTOP)
         with _robots(url, HANGS) as robots:
             for robot in robots:
@@ -99,6 +108,14 @@ def measure(quick: bool = False) -> Measured:
     row = "a server that hangs, first sentence"
     figures.append(Figure.of("hang", TABLE, row, beyond, "ms", column="more than on board alone"))
     return Measured(figures=tuple(figures))
+
+
+def _shared(way: str, url: str, sounds: Sequence[Samples], *, quick: bool) -> Iterator[Figure]:
+    for count, seconds in [(1, 4), (5, 4)] if quick else SECONDS.items():
+        with _robots(url, count) as robots:
+            began_s = time.monotonic()
+            _talk(robots, sounds, seconds)
+            yield from _figures(way, robots, time.monotonic() - began_s)
 
 
 @contextmanager
@@ -136,6 +153,23 @@ def _talk(robots: Sequence[Robot], sounds: Sequence[Samples], seconds: float) ->
 
 
 @contextmanager
+def _card() -> Iterator[str]:
+    """A server that transcribes one sentence at a time, and describes itself meanwhile."""
+    one_at_a_time = threading.Lock()
+
+    def turn(events: list[Event], send: Callable[[Event], None], _: object) -> None:
+        if Describe.is_type(events[-1].type):
+            send(Info().event())
+            return
+        with one_at_a_time:
+            time.sleep(CARD_S)
+        send(WyomingTranscript("from afar").event())
+
+    with wyoming_speech(turn) as server:
+        yield server.address("stt").url
+
+
+@contextmanager
 def _server() -> Iterator[tuple[str, subprocess.Popen[bytes]]]:
     """A server of Home Assistant's; its address and its process."""
     try:
@@ -163,15 +197,15 @@ def _listens(port: int) -> bool:
         return probe.connect_ex(("127.0.0.1", port)) == 0
 
 
-def _figures(robots: Sequence[Robot], seconds: float) -> Iterator[Figure]:
+def _figures(way: str, robots: Sequence[Robot], seconds: float) -> Iterator[Figure]:
     waits = sorted(one for robot in robots for one in robot.waited_s)
     on_board = sum(robot.on_board for robot in robots)
     count = len(robots)
-    row = f"{count} robot{'s' * (count > 1)}"
+    row = f"{count} robot{'s' * (count > 1)}, {WAYS[way]}"
     for key, column, unit, value in (
         ("rate", "sentences", "/s", len(waits) / seconds),
         ("wait-p50", "waiting, p50", "s", statistics.median(waits)),
         ("wait-p95", "waiting, p95", "s", waits[min(len(waits) - 1, int(0.95 * len(waits)))]),
         ("on-board", "heard on board", "%", 100 * on_board / len(waits)),
     ):
-        yield Figure.of(f"{key}.{count}", TABLE, row, [value], unit, column=column)
+        yield Figure.of(f"{key}.{way}.{count}", TABLE, row, [value], unit, column=column)

@@ -29,7 +29,7 @@ class OddAnswer(ServerFailed):
     """The server works, and this answer makes no sense; others may."""
 
 
-LOOK_S = 0.15
+LOOK_S = 0.14
 """Seconds after which a server that has not answered is asked for a sign of life, and for which it
 may take to give one."""
 
