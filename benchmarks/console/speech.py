@@ -95,10 +95,10 @@ class Spoken:
     def _note_words(self) -> None:
         submit = self.parts.conversation.submit
 
-        def noted(command: ConversationCommand) -> None:
+        def noted(command: ConversationCommand, *given: Any) -> None:
             if isinstance(command, Heard):
                 self.words_s = command.stt_s
-            submit(command)
+            submit(command, *given)
 
         self.parts.conversation.submit = noted  # type: ignore[method-assign]
 
