@@ -105,7 +105,7 @@ def _check_part(part: Program, known: Known, skills: Collection[Skill]) -> None:
             count == int(count) and 1 <= count <= MAX_TIMES
         ):
             raise SkillFailed(because("program_times", said=f"{count:g}", count=str(MAX_TIMES)))
-        case When(condition=BatteryBelow()) if known.battery is None:
+        case When(condition=BatteryBelow()) if known.battery is None or known.battery() is None:
             raise SkillFailed(because("no_battery"))
         case When(condition=BatteryBelow(percent=percent)) if not 0 < percent < 100:
             raise SkillFailed(because("program_percent", said=f"{percent:g}"))

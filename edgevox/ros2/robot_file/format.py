@@ -383,7 +383,8 @@ class RobotFile(Part):
         True, description="false for an arm, a lift and other robots that stay in place"
     )
     topics: Mapping[
-        Literal["odom", "cmd_vel", "goal_pose", "scan", "camera/image_raw", "map"], GraphName
+        Literal["odom", "cmd_vel", "goal_pose", "scan", "camera/image_raw", "map", "battery_state"],
+        GraphName,
     ] = Field(default_factory=dict)
     limits: Limits = Limits()
     footprint: Footprint | None = None

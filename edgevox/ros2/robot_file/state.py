@@ -12,10 +12,12 @@ from typing import Any
 from hassil.parse_expression import parse_sentence
 from hassil.parser import ParseError
 from rclpy.node import Node
+from sensor_msgs.msg import BatteryState
 
 from edgevox.agent.known import VALUE, StateCondition
 from edgevox.agent.phrases.load import ENGLISH
 from edgevox.agent.skills import SkillFailed
+from edgevox.agent.text.reasons import because
 from edgevox.core.cancel import CancelToken
 from edgevox.core.clock import Clock
 from edgevox.core.files.validation import Place, Problems
@@ -84,8 +86,15 @@ class RobotStates:
         message = self._heard[BATTERY].newest() if BATTERY in self._heard else None
         value = None if message is None else self._value(BATTERY, message)
         if not isinstance(value, int | float) or not isfinite(value):
+            if self._planned.get(BATTERY) is _USUAL_BATTERY:  # it may have none
+                raise SkillFailed(because("no_battery"))
             raise SkillFailed(interface_reason("unheard", what=BATTERY))
-        return min(1.0, max(0.0, float(value)))
+        charge = value / 100 if value > _MOST_CHARGE else value
+        return min(1.0, max(0.0, float(charge)))
+
+    def with_battery(self) -> "RobotStates":
+        """With the usual topic of a battery, `battery_state`, unless the file has one."""
+        return RobotStates({BATTERY: _USUAL_BATTERY, **self._planned}, self._driving)
 
     def check_driving(self, token: CancelToken) -> None:
         """Raise as `check` does for what driving needs."""
@@ -123,6 +132,14 @@ class RobotStates:
         return value_of(message, self._planned[name].entry.value)
 
 
+_MOST_CHARGE = 1.5
+"""A greater number is a percentage, which some drivers publish instead of a part."""
+_USUAL_BATTERY = PlannedState(
+    StateEntry(topic="battery_state", type="sensor_msgs/msg/BatteryState", field="percentage"),
+    BatteryState,
+    BatteryState,
+    "float",
+)
 NO_STATES = RobotStates({})
 
 
