@@ -195,11 +195,15 @@ _MORE, _LESS = "(above|over|more than|higher than)", "(below|under|less than|low
 
 
 def _usual_conditions(name: str, planned: PlannedState) -> list[Condition]:
-    """The conditions of a number, in English; EdgeVox has those of the battery by itself."""
-    if name == BATTERY or not is_number(planned.value_type):
+    """The conditions of a number, in English, unless it stands for something that has words.
+
+    EdgeVox has those of the battery by itself.
+    """
+    entry = planned.entry
+    if name == BATTERY or entry.words or entry.when or not is_number(planned.value_type):
         return []
     called = f"[the|your|my] {name.replace('_', ' ')} (is|gets|goes|rises|falls|drops)"
-    unit = f" [{planned.entry.unit}]" if planned.entry.unit else ""
+    unit = f" [{entry.unit}]" if entry.unit else ""
     return [
         Condition(above="{value}", sentences=[f"{called} {_MORE} {{value}}{unit}"]),
         Condition(below="{value}", sentences=[f"{called} {_LESS} {{value}}{unit}"]),
