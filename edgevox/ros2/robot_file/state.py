@@ -15,7 +15,7 @@ from rclpy.node import Node
 from sensor_msgs.msg import BatteryState
 
 from edgevox.agent.known import VALUE, StateCondition
-from edgevox.agent.phrases.load import ENGLISH
+from edgevox.agent.phrases.load import ENGLISH, phrasebook
 from edgevox.agent.skills import SkillFailed
 from edgevox.agent.text.reasons import because
 from edgevox.core.cancel import CancelToken
@@ -65,7 +65,11 @@ class RobotStates:
         """What orders can wait for, by state and number."""
         return {
             f"{name} {number}": StateCondition(
-                {"en": one.sentences, **one.languages}, partial(self._is_so, name, one)
+                {
+                    code: [phrasebook(code).with_any_length(said) for said in some]
+                    for code, some in {ENGLISH: one.sentences, **one.languages}.items()
+                },
+                partial(self._is_so, name, one),
             )
             for name, planned in self._planned.items()
             for number, one in enumerate((*planned.entry.when, *_usual_conditions(name, planned)))
