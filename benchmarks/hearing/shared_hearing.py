@@ -1,11 +1,9 @@
 """One server that hears for 1 to 20 robots, and what a hanging one costs.
 
-Two servers: a real wyoming-faster-whisper with the smallest Whisper, and one that stands in for a
-graphics card, which takes `CARD_S` for a sentence, one at a time. Each robot says a sentence of
-three seconds and, five seconds after its words came, the next. What is on board takes `ON_BOARD_S`
-and says that it was on board, so that it takes no time of the server's processor. At the end the
-server is halted (SIGSTOP): the first sentence of each robot shows what that costs beyond what is on
-board.
+The server stands in for a graphics card: it takes `CARD_S` for a sentence, one at a time. Each
+robot says a sentence of three seconds and, five seconds after its words came, the next. What is on
+board takes `ON_BOARD_S` and says that it was on board. At the end a real wyoming-faster-whisper is
+halted (SIGSTOP): the first sentence of each robot shows what that costs beyond what is on board.
 """
 
 import os
@@ -43,16 +41,12 @@ from edgevox.voice.remote.shared_hearing import SharedSpeechToText
 from edgevox.voice.stt.speech_to_text import Transcript
 
 MODEL = "whisper-tiny.en"
-TABLE = "One server that hears for many robots"
+TABLE = "One server that hears for many robots, with 0.2 s for a sentence"
 SECONDS = {1: 15, 2: 15, 5: 15, 10: 20, 20: 25}
 """How long so many robots talk."""
 PAUSE_S, ON_BOARD_S, WARM_S, HANGS = 5.0, 0.5, 60.0, 5
 TIMEOUT_S = float(Settings.model_fields["stt_endpoint_timeout"].default)
 CARD_S = 0.2
-WAYS = {
-    "card": f"a server that takes {CARD_S} s for a sentence",
-    "whisper": f"{MODEL} on this computer",
-}
 SAID = (
     "go to the kitchen and then to the office please",
     "drive to the bedroom and come back to me",
@@ -92,12 +86,11 @@ def measure(quick: bool = False) -> Measured:
     sounds = [np.concatenate([loud(says_espeak(one, "en-us"), 0.1), silence(0.5)]) for one in SAID]
     figures = list[Figure]()
     with _card() as url:
-        figures += _shared("card", url, sounds, quick=quick)
+        figures += _shared(url, sounds, quick=quick)
     with _server() as (url, server):
         first = open_hearing_server(Address(url, timeout_s=WARM_S))
         first.transcribe(sounds[0], "en", "", CancelToken())
         first.close()
-        figures += _shared("whisper", url, sounds, quick=quick)
         server.send_signal(signal.SIGSTOP)
         with _robots(url, HANGS) as robots:
             for robot in robots:
@@ -110,12 +103,12 @@ def measure(quick: bool = False) -> Measured:
     return Measured(figures=tuple(figures))
 
 
-def _shared(way: str, url: str, sounds: Sequence[Samples], *, quick: bool) -> Iterator[Figure]:
+def _shared(url: str, sounds: Sequence[Samples], *, quick: bool) -> Iterator[Figure]:
     for count, seconds in [(1, 4), (5, 4)] if quick else SECONDS.items():
         with _robots(url, count) as robots:
             began_s = time.monotonic()
             _talk(robots, sounds, seconds)
-            yield from _figures(way, robots, time.monotonic() - began_s)
+            yield from _figures(robots, time.monotonic() - began_s)
 
 
 @contextmanager
@@ -197,15 +190,15 @@ def _listens(port: int) -> bool:
         return probe.connect_ex(("127.0.0.1", port)) == 0
 
 
-def _figures(way: str, robots: Sequence[Robot], seconds: float) -> Iterator[Figure]:
+def _figures(robots: Sequence[Robot], seconds: float) -> Iterator[Figure]:
     waits = sorted(one for robot in robots for one in robot.waited_s)
     on_board = sum(robot.on_board for robot in robots)
     count = len(robots)
-    row = f"{count} robot{'s' * (count > 1)}, {WAYS[way]}"
+    row = f"{count} robot{'s' * (count > 1)}"
     for key, column, unit, value in (
         ("rate", "sentences", "/s", len(waits) / seconds),
         ("wait-p50", "waiting, p50", "s", statistics.median(waits)),
         ("wait-p95", "waiting, p95", "s", waits[min(len(waits) - 1, int(0.95 * len(waits)))]),
         ("on-board", "heard on board", "%", 100 * on_board / len(waits)),
     ):
-        yield Figure.of(f"{key}.{way}.{count}", TABLE, row, [value], unit, column=column)
+        yield Figure.of(f"{key}.{count}", TABLE, row, [value], unit, column=column)

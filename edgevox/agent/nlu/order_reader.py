@@ -473,7 +473,9 @@ def _waits_for(book: Phrasebook, sentences: Sequence[str]) -> tuple[list[Pattern
     shared = _rules_of(book.code)
     rules = {**shared.rules, _CONDITION: _parsed(f"({'|'.join(sentences)})")}
     own = _ProgramRules(rules, shared.spaced)
-    orders = [Pattern(own, _parsed(one)) for one in book.programs.templates.get(_WHEN, ())]
+    slot, rule = f"{{{_CONDITION}}}", f"<{_CONDITION}>"
+    written = [one.replace(slot, rule) for one in book.programs.templates.get(_WHEN, ())]
+    orders = [Pattern(own, _parsed(one)) for one in written]
     return orders, Pattern(own, _parsed(f"<{_WHEN}>" + " " * shared.spaced + f"<{_CONDITION}>"))
 
 
