@@ -110,10 +110,10 @@ class Robot:
     def _meaning(self, said: Transcript) -> Meaning | None:
         turn = Turn(
             1, self._bus, self._clock, lambda: None, way=Way.VOICE,
-            hearing=said.confidence, others=said.others,
+            hearing=said.confidence, others=said.others, rate=said.rate,
         )  # fmt: skip
         meaning = self._interpreter.understand(said.text, turn)
-        return self._interpreter.as_heard(meaning, turn) if meaning else None
+        return self._interpreter.as_heard(meaning, said.text, turn) if meaning else None
 
     def _drives(self, meaning: Meaning) -> bool:
         return any(self._skills[call.skill].drives for call in meaning.every_call)

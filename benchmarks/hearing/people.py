@@ -112,7 +112,7 @@ def orders(half: Half) -> list[Order]:
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Print the figures. They are on no page until a whole run of them is kept."""
+    """Print the figures. A run of `benchmarks.core.run` keeps them."""
     parser = argparse.ArgumentParser(description="Measure hearing on real people's recordings.")
     parser.add_argument("--quick", action="store_true", help="only every twelfth recording")
     try:

@@ -457,6 +457,7 @@ class Conversation:
             doubted=isinstance(item, Heard) and self._stopping.doubts(item),
             hearing=item.confidence if isinstance(item, Heard) else 1.0,
             others=item.others if isinstance(item, Heard) else (),
+            rate=item.rate if isinstance(item, Heard) else None,
         )
         return turn
 

@@ -13,7 +13,7 @@ from edgevox.agent.skills import Call
 from edgevox.core.bus import Bus
 from edgevox.core.cancel import CancelToken
 from edgevox.core.clock import Clock
-from edgevox.core.commands import Hypothesis, Way
+from edgevox.core.commands import Hypothesis, Rate, Way
 from edgevox.core.events import (
     Decided,
     Outcome,
@@ -59,6 +59,7 @@ class Turn:
         doubted: bool = False,
         hearing: float = 1.0,
         others: Sequence[Hypothesis] = (),
+        rate: Rate | None = None,
     ) -> None:
         """Begin the turn's stopwatch.
 
@@ -79,6 +80,7 @@ class Turn:
                 then nothing may move without a question.
             hearing: Confidence that the words were said, from 0 to 1.
             others: Other words that may have been said, the likeliest first.
+            rate: Rates texts by the sound of what was said, if its words are not sure.
         """
         self.number = number
         self.way = way
@@ -87,6 +89,7 @@ class Turn:
         self.doubted = doubted
         self.hearing = hearing
         self.others = others
+        self.rate = rate
         self.token = CancelToken()
         self.tokens = 0
         self._bus = bus

@@ -1,7 +1,7 @@
 """Commands to EdgeVox, from a person, a ROS 2 node or a script, and the ways by which they come."""
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
 from enum import StrEnum
 from typing import Any, Protocol
 
@@ -63,6 +63,11 @@ def as_hypotheses(text: str, confidence: float, others: Sequence[Hypothesis]) ->
     return [Hypothesis(text, share, confidence), *others]
 
 
+Rate = Callable[[Sequence[str]], Sequence[float]]
+"""Returns how likely each of these texts was said in a sound: the sum of its tokens' log
+probabilities, in nats. May be called from any thread, and takes some 15 ms for a text."""
+
+
 @dataclass(frozen=True, slots=True)
 class Heard:
     """A spoken utterance and its transcript."""
@@ -85,6 +90,8 @@ class Heard:
     """The clock's time of the first voiced sample; None counts as `ended_s`."""
     over: bool = False
     """True if the robot holds its answer for these words, since `SpokenOver`."""
+    rate: Rate | None = field(default=None, compare=False, repr=False)
+    """Rates other texts by the sound; None where the transcript is sure, or nothing can."""
 
 
 @dataclass(frozen=True, slots=True)

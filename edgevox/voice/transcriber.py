@@ -202,6 +202,7 @@ class Transcriber:
                 spotted=job.spotted,
                 confidence=told.confidence,
                 others=told.others,
+                rate=told.rate,
                 began_s=job.began_s,
                 over=job.over,
             )

@@ -26,7 +26,7 @@ def interpreter(decider: Decider) -> Interpreter:
 def understood(interpreter: Interpreter, said: str, confidence: float) -> Meaning | None:
     turn = Turn(1, Bus(), SystemClock(), lambda: None, way=Way.VOICE, hearing=confidence)
     meaning = interpreter.understand(said, turn)
-    return interpreter.as_heard(meaning, turn) if meaning else None
+    return interpreter.as_heard(meaning, said, turn) if meaning else None
 
 
 @pytest.mark.parametrize("confidence", [1.0, 0.7])

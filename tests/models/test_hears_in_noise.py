@@ -96,3 +96,12 @@ def test_of_noise_alone_it_makes_no_command(adapted):
     heard = [adapted.transcribe(among_hiss(silence(2.0) + 300, seed), "en") for seed in range(6)]
 
     assert [one.text for one in heard if one.text and one.confidence > 0.6] == []
+
+
+def test_by_its_sound_a_command_is_told_from_others_that_sound_alike(adapted):
+    several = ["Go to the kitchen.", "Go to the chicken.", "Go to the kitten."]
+    said = adapted.transcribe(as_it_comes(says_piper(several[0])), "en")
+
+    right, *others = said.rate(several)
+
+    assert right > max(others) + 1.0

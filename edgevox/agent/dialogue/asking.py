@@ -243,7 +243,7 @@ class Asking:
         if meaning is None or turn.token.cancelled:
             return meaning
         turn.decided(meaning.every_call, meaning.source, meaning.measured)
-        meaning = self._interpreter.as_heard(meaning, turn)
+        meaning = self._interpreter.as_heard(meaning, text, turn)
         done = self.act(meaning, turn)
         if between and self.question.asked is between:
             self._ask_again(turn)

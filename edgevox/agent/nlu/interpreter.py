@@ -16,7 +16,7 @@ from edgevox.agent.llm.prompt import History, size_tokens
 from edgevox.agent.nlu.abilities import abilities, cannot_do, not_understood
 from edgevox.agent.nlu.decider import Decider, Decision, Readings
 from edgevox.agent.nlu.disfluencies import fluent
-from edgevox.agent.nlu.hearing.hypotheses import is_contested, likeliest
+from edgevox.agent.nlu.hearing.hypotheses import is_contested, is_same, likeliest
 from edgevox.agent.nlu.hearing.near import NearCommands
 from edgevox.agent.nlu.hearing.sounds import Phonemes
 from edgevox.agent.nlu.meaning import ASK_FROM, HEARD_FROM, Meaning
@@ -231,10 +231,24 @@ class Interpreter:
                 return Meaning(agent, (call,), "reading", ASK_FROM)
         return None
 
-    def as_heard(self, meaning: Meaning, turn: Turn) -> Meaning:
-        """The meaning, unsure if its words were hardly heard or another order is as likely."""
+    def as_heard(self, meaning: Meaning, text: str, turn: Turn) -> Meaning:
+        """The meaning of a text, unsure if it was hardly heard or another order is as likely."""
         contested = is_contested(meaning, turn.others, self.plain)
+        if (contested or turn.hearing < HEARD_FROM) and self._is_rated_best(meaning, text, turn):
+            return meaning
         return meaning.heard(0.0 if contested else turn.hearing)
+
+    def _is_rated_best(self, meaning: Meaning, text: str, turn: Turn) -> bool:
+        """True if the sound is far more like these words than like any other command."""
+        near = self._near.get(meaning.agent.name)
+        if near is None or turn.rate is None:
+            return False
+        best = near.nearest(as_hypotheses(text, turn.hearing, turn.others), turn.rate)
+        return (
+            best is not None
+            and best.sure
+            and is_same(replace(meaning, calls=(best.call,)), meaning)
+        )
 
     def _said_instead(self, text: str, turn: Turn) -> Meaning | None:
         """The plain command among the other hypotheses; None for words that deny or put off."""
@@ -251,13 +265,17 @@ class Interpreter:
             return None
         several = as_hypotheses(text, turn.hearing, turn.others)
         for agent in self._active_first():
-            near = self._near[agent.name].nearest(several) if agent.name in self._near else None
+            near = (
+                self._near[agent.name].nearest(several, turn.rate)
+                if agent.name in self._near
+                else None
+            )
             if near is None or self._objects(agent, {text, near.heard.text}, near.words):
                 continue
             heard = near.heard.confidence >= HEARD_FROM
             # Words that were heard well are what was said, unless they are hardly more than a name.
-            if near.clear or not heard or (near.alone and not self._is_held_back(text)):
-                sure = near.clear and heard and not near.alone
+            if near.likely or not heard or (near.alone and not self._is_held_back(text)):
+                sure = near.sure and not near.alone
                 return Meaning(agent, (near.call,), "reading", 1.0 if sure else ASK_FROM)
         return None
 

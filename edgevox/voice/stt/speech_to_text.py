@@ -6,11 +6,11 @@
 import math
 import re
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Protocol
 
 from edgevox.core.clock import Clock, SystemClock
-from edgevox.core.commands import Hypothesis, as_hypotheses
+from edgevox.core.commands import Hypothesis, Rate, as_hypotheses
 from edgevox.voice.audio import Samples
 
 
@@ -18,12 +18,14 @@ from edgevox.voice.audio import Samples
 class Transcript:
     """The words in a sound, empty if there are none, and how sure it is that they are those.
 
-    `others` are what else may have been said, the likeliest first.
+    `others` are what else may have been said, the likeliest first. `rate` rates other texts by the
+    sound, where the words are not sure.
     """
 
     text: str
     confidence: float = 1.0
     others: tuple[Hypothesis, ...] = ()
+    rate: Rate | None = field(default=None, compare=False, repr=False)
 
 
 class SpeechToText(Protocol):

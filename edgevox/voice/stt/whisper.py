@@ -4,9 +4,12 @@ A model with an adapter hears better in noise, and processes only the speech, no
 it is not sure of are heard again by the same model with a part of the adapter; both count.
 """
 
+import math
 import threading
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import nullcontext
+from dataclasses import replace
+from functools import cache, partial
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -45,6 +48,8 @@ than 30 s is listened to."""
 SECOND_SHARE = 0.25
 """The part of the adapter with which a model hears again. Chosen with real people's orders by the
 half of the speakers that `benchmarks/hearing/people.py` does not report."""
+LEAST = 1e-9
+"""The least probability of a token."""
 _WARM_UP = np.zeros(RATE_HZ, np.int16)
 
 
@@ -53,6 +58,11 @@ class _LoadedModel(NamedTuple):
 
     engine: Any
     second: Any = None
+
+    @property
+    def weaker(self) -> "_LoadedModel":
+        """The same model as it hears again."""
+        return self._replace(engine=self.second)
 
     @property
     def short(self) -> bool:
@@ -90,12 +100,21 @@ class Whisper:
     def transcribe(self, samples: Samples, language: str) -> Transcript:
         prompt = self._prompt_of(language)
         with self._lock:
-            model = self._model_for(language)
-            said = _transcribe(model, samples, language, prompt)
-            if model.second is None or not is_doubtful(said, language):
+            model, seconds = self._model_for(language), samples.size / RATE_HZ
+            said = _EncodedSound(model, samples, language).transcript(prompt, seconds)
+            if model.second is None:
                 return said
-            again = model._replace(engine=model.second)
-            return both(said, _transcribe(again, samples, language, prompt))
+            again = cache(partial(_EncodedSound, model.weaker, samples, language))
+            if is_doubtful(said, language):
+                said = both(said, again().transcript(prompt, seconds))
+            return replace(said, rate=partial(self._rate, again))
+
+    def _rate(self, sound: "Callable[[], _EncodedSound]", texts: Sequence[str]) -> Sequence[float]:
+        found = []
+        for text in texts:
+            with self._lock:  # for one text at a time: a stop word may be waiting to be heard
+                found.append(sound().rate(text))
+        return found
 
     def hypotheses(self, samples: Samples, language: str, prompt: str = "") -> list[Segment]:
         """Return the hypotheses for the first 30 s, with Whisper's doubts.
@@ -145,16 +164,6 @@ class Whisper:
             )
 
 
-def _transcribe(model: _LoadedModel, samples: Samples, language: str, prompt: str) -> Transcript:
-    """What the model hears; heard again without the prompt, if it is not sure of its words."""
-    sound, seconds = _EncodedSound(model, samples, language), samples.size / RATE_HZ
-    found = sound.hypotheses(prompt)
-    said = transcript_of(found, seconds, prompt)
-    if not (prompt and is_doubtful(said, language)):
-        return said
-    return transcript_of(found, seconds, prompt, heard_again(sound.hypotheses()))
-
-
 class _EncodedSound:
     """A sound as the encoder of a model hears it, in a language."""
 
@@ -172,6 +181,14 @@ class _EncodedSound:
         features = self._engine.feature_extractor(sound)[..., :-1]
         self._encoded = self._engine.encode(as_listened_to(features, loaded.short))
         self._most_tokens = MORE_TOKENS + int(samples.size / RATE_HZ * TOKENS_PER_S)
+
+    def transcript(self, prompt: str, seconds: float) -> Transcript:
+        """What is heard in so many seconds; again without the prompt, if the words are not sure."""
+        found = self.hypotheses(prompt)
+        said = transcript_of(found, seconds, prompt)
+        if not (prompt and is_doubtful(said, self._language)):
+            return said
+        return transcript_of(found, seconds, prompt, heard_again(self.hypotheses()))
 
     def hypotheses(self, prompt: str = "") -> list[Segment]:
         """Return hypotheses as `WhisperModel.transcribe` finds them.
@@ -202,6 +219,17 @@ class _EncodedSound:
                 ratio = get_compression_ratio(text.strip())
                 segments.setdefault(text, Segment(text, found.no_speech_prob, mean, ratio, whole))
         return [*segments.values()]
+
+    def rate(self, text: str) -> float:
+        """Return how likely this text was said: the sum of its tokens' log probabilities."""
+        tokens = self._tokenizer.encode(f" {text.strip()}")
+        (found,) = self._engine.model.align(
+            self._encoded,
+            [*self._tokenizer.sot_sequence],
+            [tokens],
+            self._engine.feature_extractor.nb_max_frames,
+        )
+        return sum(math.log(max(one, LEAST)) for one in found.text_token_probs[: len(tokens)])
 
 
 def as_listened_to(features: NDArray[np.float32], short: bool) -> NDArray[np.float32]:

@@ -67,15 +67,15 @@ def test_a_number_of_a_name_is_the_one_that_was_heard():
 def test_of_two_commands_that_are_as_near_none_is_clear():
     near = near_commands(skills(rooms=("bad", "bed")))
 
-    assert not near.nearest([heard("go to the bid")]).clear
+    assert not near.nearest([heard("go to the bid")]).sure
 
 
 def test_a_command_is_clear_only_if_most_hypotheses_sound_like_it():
     near = near_commands(skills())
     likely, unlikely = heard("go to the kitchin", 0.7), heard("go to the kitchin", 0.3)
 
-    assert near.nearest([likely, heard("gone with the wind", 0.3)]).clear
-    assert not near.nearest([heard("gone with the wind", 0.7), unlikely]).clear
+    assert near.nearest([likely, heard("gone with the wind", 0.3)]).sure
+    assert not near.nearest([heard("gone with the wind", 0.7), unlikely]).sure
     assert near.nearest([heard("gone with the wind", 0.9), heard("go to the kitchin", 0.1)]) is None
 
 
@@ -253,3 +253,81 @@ def test_words_that_stand_for_a_number_are_no_wording():
 @pytest.mark.parametrize("heard", ["drive", "we were at the bus stob", "the soup is good"])
 def test_what_sounds_otherwise_or_is_longer_stops_nothing(heard):
     assert NearStop("en", LETTERS).find(heard) is None
+
+
+def rates(**nats):
+    """Rates texts by the last of these words that is in them; those without any are impossible."""
+    asked = []
+
+    def rate(texts):
+        asked.extend(texts)
+        return [
+            max(
+                (nats[word] for word in text.lower().strip(".").split() if word in nats),
+                default=-99.0,
+            )
+            for text in texts
+        ]
+
+    rate.asked = asked
+    return rate
+
+
+def hardly(text, share=1.0, confidence=0.7):
+    return Hypothesis(text, share, confidence)
+
+
+def test_the_sound_tells_which_of_two_commands_was_said():
+    near = near_commands(skills(rooms=("bad", "bed")))
+
+    for said, other in (("bed", "bad"), ("bad", "bed")):
+        found = near.nearest([hardly("Go to the bid.")], rates(**{said: -2, other: -9, "bid": -1}))
+        assert found.call.arguments == {"room": said}
+        assert found.sure
+    assert not near.nearest([hardly("Go to the bid.")], rates(bed=-2, bad=-3, bid=-1)).sure
+
+
+def test_only_the_words_that_differ_are_rated_otherwise():
+    near = near_commands(skills())
+    rate = rates(kitchen=-1)
+
+    near.nearest([hardly("Please, go to the kitchin!")], rate)
+
+    assert rate.asked[0] == "Please, go to the kitchen!"
+
+
+def test_what_the_sound_is_far_more_like_is_no_command():
+    near = near_commands(skills(rooms=("bad", "bed")))
+
+    assert not near.nearest([hardly("Go to the bid.")], rates(bed=-14, bid=-1)).likely
+    assert near.nearest([hardly("Go to the bid.")], rates(bed=-30, bid=-1)) is None
+
+
+def test_words_that_were_heard_well_are_asked_about_at_most():
+    near = near_commands(skills(rooms=("bad", "bed")))
+    found = near.nearest([hardly("Go to the bid.", confidence=0.95)], rates(bed=-2, bid=-1))
+
+    assert found.likely
+    assert not found.sure
+
+
+def test_words_that_were_hardly_heard_are_asked_about_at_most():
+    near = near_commands(skills(rooms=("bad", "bed")))
+
+    assert not near.nearest([hardly("Go to the bid.", confidence=0.3)], rates(bed=-2, bid=-1)).sure
+
+
+def test_a_word_that_the_robot_knows_is_no_other_one():
+    near = near_commands(skills(rooms=("large office of berta", "long hall")))
+    rate = rates(large=-1, long=-1)
+
+    assert not near.nearest([heard("go to the long office of berta")]).sure
+    assert not near.nearest([hardly("go to the long office of berta")], rate).sure
+
+
+def test_a_value_has_no_word_that_was_not_heard():
+    near = near_commands(skills(rooms=("old engineering department",)))
+    said = "go to the engineering department"
+
+    assert not near.nearest([heard(said)]).sure
+    assert not near.nearest([hardly(said)], rates(department=-1)).sure

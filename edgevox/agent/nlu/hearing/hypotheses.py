@@ -33,7 +33,7 @@ def likeliest(others: Sequence[Hypothesis], plain: Plain) -> Meaning | None:
     share, best = max(shares, key=lambda one: one[0])
     if share < LEAST_SHARE:
         return None
-    confidence = max(one.confidence for one, meaning in found if _same(meaning, best))
+    confidence = max(one.confidence for one, meaning in found if is_same(meaning, best))
     sure = confidence >= HEARD_FROM and not _has_rival(best, share, found)
     return replace(best, source="reading", confidence=best.confidence if sure else ASK_FROM)
 
@@ -54,15 +54,15 @@ def _commands(others: Sequence[Hypothesis], plain: Plain) -> list[_Told]:
 
 
 def _has_rival(meaning: Meaning, share: float, found: Sequence[_Told]) -> bool:
-    rivals = (other for _, other in found if not _same(other, meaning))
+    rivals = (other for _, other in found if not is_same(other, meaning))
     return any(_share(rival, found) > RIVAL * share for rival in rivals)
 
 
 def _share(meaning: Meaning, found: Sequence[_Told]) -> float:
-    return sum(one.share for one, other in found if _same(other, meaning))
+    return sum(one.share for one, other in found if is_same(other, meaning))
 
 
-def _same(one: Meaning, other: Meaning) -> bool:
+def is_same(one: Meaning, other: Meaning) -> bool:
     """True if both do the same: "walk forward" goes as far as "walk forward one metre"."""
     return _done(one) == _done(other)
 

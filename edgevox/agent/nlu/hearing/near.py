@@ -6,17 +6,20 @@ a"; one halt too many is better than one too few.
 
 import difflib
 import math
+import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 from edgevox.agent.nlu.hearing.network import Network, Path, Sentences
 from edgevox.agent.nlu.hearing.sounds import Phonemes, Sounds, SpanTable, sounds_of
 from edgevox.agent.nlu.hearing.wordings import bare_name
+from edgevox.agent.nlu.meaning import HEARD_FROM
 from edgevox.agent.phrases.numbers import digits
 from edgevox.agent.phrases.phrasebook import Phrasebook
 from edgevox.agent.skills import STOP, Call, Skill, SkillSet
 from edgevox.agent.text.spelling import key
-from edgevox.core.commands import Hypothesis
+from edgevox.core.commands import Hypothesis, Rate
 from edgevox.core.languages import STOP_WORDS
 
 _NEAR = 0.35
@@ -74,8 +77,50 @@ no other order was done."""
 _UNLIKELY = 0.05
 """Distance that a hypothesis adds which is e times less likely than the first one."""
 _LEAST_SHARE = 1e-3
+_RATED_LEAD, _MOST_RATED, _RATED_CLEAR = 0.06, 6, 0.9
+"""Commands that are so much farther than the nearest one are rated by the sound as well, at most so
+many; one that has so much of their probability is clear. Chosen as above."""
+_WORDINGS, _MOST_FREE = 2, 4
+"""How many wordings of each of them are rated, and how many hypotheses beside them."""
+_SURE_WORDS = 0.9
+"""Words that are at least so sure are what was said, however likely a command is."""
+_FARTHER, _FARTHEST = 4.0, 12.0
+"""For each word of a command that was not heard and for all of them, in nats: by how much less
+likely than what was heard a clear one may be. "A maricano" is no word that anybody expects."""
+_FARTHEST_ASKED = 20.0
+"""The same of one that is worth a question."""
+_RATED_NEAR, _HARDLY_HEARD = 0.2, 0.5
+"""A clear one differs in at most so many of the sounds from words that are at least so sure."""
 _MOST_CHARACTERS = 200
 """Number of characters from which on a sentence is no plain command."""
+
+
+_WORD = re.compile(r"[^\s\-,.;:!?\u2026\u00bf\u00a1\"]+")
+
+
+class _Difference(NamedTuple):
+    """Where words of a sentence were not heard, or others were."""
+
+    begins: int
+    ends: int
+    """The place in the text that was heard, in characters."""
+    words: list[str]
+    """What was heard there."""
+    said: list[str]
+    """What the sentence has there."""
+
+
+class _Candidate(NamedTuple):
+    """A sentence that a hypothesis sounds like."""
+
+    cost: float
+    """Distance, and how much less likely the hypothesis is than the first one."""
+    path: Path
+    heard: Hypothesis
+
+    @property
+    def meaning(self) -> object:
+        return self.path.meaning
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,8 +133,10 @@ class NearCommand:
     """What it asks for."""
     heard: Hypothesis
     """What it sounds like."""
-    clear: bool
-    """True if it sounds much like it, and nothing else does."""
+    sure: bool
+    """True if it may be done without a question."""
+    likely: bool
+    """True if it is worth a question even where other words were heard well."""
     alone: bool
     """True if it is only a name, without a word for what to do."""
 
@@ -109,56 +156,171 @@ class NearCommands:
         self._words: object = None
         self._network = Network((), {}, self._sounds)
 
-    def nearest(self, several: Sequence[Hypothesis]) -> NearCommand | None:
-        """The one command that these hypotheses sound like, or None."""
+    def nearest(
+        self, several: Sequence[Hypothesis], rate: Rate | None = None
+    ) -> NearCommand | None:
+        """The one command that these hypotheses sound like, or None.
+
+        Of several that they sound like, `rate` tells which one the sound is most like.
+        """
         if not self._book.hearing.spaced:
             return None
         self._learn()
         most = max(one.share for one in several)
-        near = [(one, self._sentences_like(one.text)) for one in several]
+        lead = _RATED_LEAD if rate else _LEAD
+        near = [(one, self._sentences_like(one.text, lead)) for one in several]
         found = [
-            (path.distance + _UNLIKELY * math.log(most / max(one.share, _LEAST_SHARE)), path, one)
+            _Candidate(path.distance + _UNLIKELY * math.log(most / share), path, one)
             for one, paths in near
             for path in paths
+            for share in (max(one.share, _LEAST_SHARE),)
         ]
         if not found:
             return None
-        cost, best, heard = min(found, key=lambda one: one[0])
-        others = (other - cost for other, path, _ in found if path.meaning != best.meaning)
-        lead = min(others, default=_LEAD)
-        mass = sum(one.share for one, paths in near if paths and paths[0].meaning == best.meaning)
-        if mass < _LEAST_MASS:
+        found.sort(key=lambda one: one.cost)
+        first = found[0]
+        others = (one.cost - first.cost for one in found if one.meaning != first.meaning)
+        like = (one.share for one, paths in near if paths and paths[0].meaning == first.meaning)
+        mass = sum(like)
+        clear = (
+            first.path.distance <= CLEAR
+            and min(others, default=_LEAD) >= _LEAD
+            and mass >= _CLEAR_MASS
+            and not self._swaps_a_word(first.heard.text, first.path)
+        )
+        if rate:
+            rated = self._rated(found, several, rate)
+            if rated is None:
+                return None
+            best, likely, sure = rated
+            clear = clear and best.meaning == first.meaning
+        elif mass < _LEAST_MASS:
             return None
-        clear = best.distance <= CLEAR and lead >= _LEAD and mass >= _CLEAR_MASS
-        clear = clear and not self._swaps_a_word(heard.text, best.words)
-        choices = self._skills[best.of.skill].choices
-        values = {slot: self._book.heard(choices[slot])[said] for slot, said in best.values}
-        call = Call(best.of.skill, values)
-        return NearCommand(best.words, call, heard, clear, best.of.alone)
+        else:
+            best, likely, sure = first, False, False
+        choices = self._skills[best.path.of.skill].choices
+        values = {slot: self._book.heard(choices[slot])[said] for slot, said in best.path.values}
+        call = Call(best.path.of.skill, values)
+        return NearCommand(
+            words=best.path.words,
+            call=call,
+            heard=best.heard,
+            sure=sure or (clear and best.heard.confidence >= HEARD_FROM),
+            likely=likely or clear,
+            alone=best.path.of.alone,
+        )
 
-    def _swaps_a_word(self, heard: str, sentence: str) -> bool:
+    def _rated(
+        self, found: Sequence[_Candidate], several: Sequence[Hypothesis], rate: Rate
+    ) -> tuple[_Candidate, bool, bool] | None:
+        """The candidate that the sound is most like; whether it is likely, and whether it is sure.
+
+        What is rated is what was heard, with words of the command in place of what was not. None if
+        the sound is far more like the words that were heard.
+        """
+        wordings: dict[object, list[_Candidate]] = {}
+        for one in found:
+            if one.cost <= found[0].cost + _RATED_LEAD:
+                wordings.setdefault(one.meaning, []).append(one)
+        rated = [one for same in [*wordings.values()][:_MOST_RATED] for one in same[:_WORDINGS]]
+        corrected = [self._corrected(one.heard.text, one.path.words) for one in rated]
+        heard = [one.text for one in several[:_MOST_FREE]]
+        likelihoods = rate([*(text for text, _ in corrected), *heard])
+        free = max(likelihoods[len(rated) :])
+        of: dict[object, int] = {}
+        for at, one in enumerate(rated):
+            if one.meaning not in of or likelihoods[at] > likelihoods[of[one.meaning]]:
+                of[one.meaning] = at
+        first, *others = sorted(of.values(), key=lambda at: likelihoods[at], reverse=True)
+        rest = sum(math.exp(likelihoods[at] - likelihoods[first]) for at in others)
+        best, (_, swapped) = rated[first], corrected[first]
+        farther = free - likelihoods[first]
+        if farther > _FARTHEST_ASKED:
+            return None
+        likely = (
+            1.0 / (1.0 + rest) >= _RATED_CLEAR
+            and farther <= min(_FARTHER * max(1, swapped), _FARTHEST)
+            and best.path.distance <= _RATED_NEAR
+        )
+        sure = (
+            likely
+            and best.heard.confidence >= _HARDLY_HEARD
+            and not (swapped and best.heard.confidence >= _SURE_WORDS)
+            and not self._swaps_a_known_word(best.heard.text, best.path)
+        )
+        return best, likely, sure
+
+    def _corrected(self, heard: str, sentence: str) -> tuple[str, int]:
+        """What was heard with words of the sentence in place of others; how many were replaced."""
+        text, replaced = heard, 0
+        for one in reversed(self._differences(heard, sentence)):
+            replaced += max(len(one.words), len(one.said))
+            text = f"{text[: one.begins]} {' '.join(one.said)} {text[one.ends :]}"
+        text = " ".join(re.sub(r"\s+([-,.;:!?])", r"\1", text).split())
+        return text[:1].upper() + text[1:], replaced
+
+    def _swaps_a_word(self, heard: str, path: Path) -> bool:
         """True if words that were heard sound unlike what the sentence has in their place.
 
         "Bring the mug to the bedroom" sounds much like "bring me to the bedroom", as a whole.
         """
-        words, said = self._spoken(heard), self._spoken(sentence)
-        changes = difflib.SequenceMatcher(None, words, said, autojunk=False).get_opcodes()
-        for what, start, end, first, last in changes:
-            sounds = self._sounds(" ".join(words[start:end])) if what != "equal" else ()
-            if sounds:  # none where the sentence only has words more
-                table = SpanTable([self._sounds(" ".join(said[first:last]))])
-                if table.distances(sounds)[0] > _WORD_CLEAR:
+        for one in self._differences(heard, path.words):
+            if one.words:
+                table = SpanTable([self._sounds(" ".join(one.said))])
+                if table.distances(self._sounds(" ".join(one.words)))[0] > _WORD_CLEAR:
                     return True
-        return False
+        return self._swaps_a_known_word(heard, path)
+
+    def _swaps_a_known_word(self, heard: str, path: Path) -> bool:
+        """True if the sentence has another word for one that the robot knows, or more of a value.
+
+        A medium roast is not iced, and a mocha is no iced mocha.
+        """
+        values = {word for _, value in path.values for word in self._spoken(value)}
+        return any(
+            not self._network.words.isdisjoint(map(key, one.words))
+            or (not one.words and not values.isdisjoint(map(key, one.said)))
+            for one in self._differences(heard, path.words)
+        )
+
+    def _differences(self, heard: str, sentence: str) -> list[_Difference]:
+        """Where the words of a sentence differ from what was heard, but for articles."""
+        words, said = (
+            [one for one in _WORD.finditer(text) if self._plain(one[0]) not in self._articles]
+            for text in (heard, sentence)
+        )
+        changes = difflib.SequenceMatcher(
+            None,
+            [self._plain(one[0]) for one in words],
+            [self._plain(one[0]) for one in said],
+            autojunk=False,
+        ).get_opcodes()
+        found = []
+        for what, start, end, first, last in changes:
+            if what != "equal":
+                before = words[start - 1].end() if start else 0
+                some = start < end
+                found.append(
+                    _Difference(
+                        words[start].start() if some else before,
+                        words[end - 1].end() if some else before,
+                        [one[0] for one in words[start:end]],
+                        [one[0] for one in said[first:last]],
+                    )
+                )
+        return found
+
+    def _plain(self, word: str) -> str:
+        return digits(key(word), self._book.code).strip()
 
     def _spoken(self, text: str) -> list[str]:
         """Its words without articles."""
         return [word for word in key(text).split() if word not in self._articles]
 
-    def _sentences_like(self, text: str) -> list[Path]:
+    def _sentences_like(self, text: str, margin: float) -> list[Path]:
         if not 0 < len(text) <= _MOST_CHARACTERS:
             return []
-        paths = self._network.nearest(text, NEAR, _LEAD)
+        paths = self._network.nearest(text, NEAR, margin)
         numbers = self._numbers(text)
         return [path for path in paths if self._numbers(path.words) == numbers]
 

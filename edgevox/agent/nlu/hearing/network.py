@@ -110,6 +110,8 @@ class Network:
             for template in one.templates:
                 self._add(one, template)
         self._texts = tuple(self._labels)
+        self.words = frozenset(word for text in self._texts for word in text.split())
+        """Every word of every sentence."""
         self._table = SpanTable([sounds_of(text) for text in self._texts])
 
     def nearest(self, text: str, most: float, margin: float) -> list[Path]:
