@@ -97,8 +97,11 @@ class RobotStates:
         return min(1.0, max(0.0, float(charge)))
 
     def with_battery(self) -> "RobotStates":
-        """With the usual topic of a battery, `battery_state`, unless the file has one."""
-        return RobotStates({BATTERY: _USUAL_BATTERY, **self._planned}, self._driving)
+        """These, for its skills have them, with a battery's usual topic, unless one is there."""
+        if self is NO_STATES:
+            return RobotStates({BATTERY: _USUAL_BATTERY})
+        self._planned = {BATTERY: _USUAL_BATTERY, **self._planned}
+        return self
 
     def check_driving(self, token: CancelToken) -> None:
         """Raise as `check` does for what driving needs."""
