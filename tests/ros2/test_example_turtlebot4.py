@@ -59,6 +59,8 @@ def test_it_shines_and_beeps(talk, base):
 
 
 def test_it_drives_by_nav2_and_tells_how_far_it_is(talk, base):
+    talk.say("undock", "I am off my dock.")
+    talk.ask_until("are you docked", "I am not on my dock.")
     state = base.peer.listen("robot_state", STATE)
     pose = {"pose": {"position": {"x": 1.0, "y": 0.5, "z": 0.0}}}
     with base.asked.within("navigate_to_pose", {"pose": pose}):
@@ -81,6 +83,8 @@ def test_it_speaks_german(talk, base):
 
 
 def test_a_stop_cancels_docking_and_driving(talk, base):
+    talk.say("undock", "I am off my dock.")
+    talk.ask_until("are you docked", "I am not on my dock.")
     base.asked.do("hang")
     with base.asked.within("dock"):
         talk.say("dock", "Going to my dock.")
