@@ -65,3 +65,10 @@ target "tools" {
   target   = "tools"
   tags     = ["${REPOSITORY}:${TAG}-tools"]
 }
+
+# It builds a robot's own packages of interfaces (docs/deployment.md).
+target "interfaces" {
+  inherits = ["common"]
+  target   = "interfaces"
+  tags     = ["${REPOSITORY}:${TAG}-interfaces"]
+}

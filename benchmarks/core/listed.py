@@ -46,6 +46,10 @@ BENCHMARKS: Mapping[str, Benchmark] = {
         "benchmarks.agent.shared_llm",
         "one language model for 1 to 50 robots, with and without a bound on its queue",
     ),
+    "shared_hearing": Benchmark(
+        "benchmarks.hearing.shared_hearing",
+        "one server that hears for 1 to 20 robots, and what a hanging one costs",
+    ),
     "hearing": Benchmark(
         "benchmarks.hearing.speech_to_text", "speech to text beside plain faster-whisper"
     ),

@@ -203,7 +203,14 @@ class Conversation:
         self._inbox = inbox.Inbox(self._clock)
         dialogue = DialogueSkills(agents, bus, self._clock, lambda: self.interpreter.phrases, known)
         self.interpreter = interpreter = Interpreter(
-            dialogue.agents, bus, self._clock, model, language, decider=decider, phonemes=phonemes
+            dialogue.agents,
+            bus,
+            self._clock,
+            model,
+            language,
+            decider=decider,
+            phonemes=phonemes,
+            conditions=known.conditions,
         )
         self._skills = skills_of(agents)
         self._interlock = interlock = interlock or Interlock()

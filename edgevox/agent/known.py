@@ -1,8 +1,8 @@
 """What a body tells the agent of itself and its world: for answers, and for programs."""
 
 import math
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
 from datetime import datetime
 
 from edgevox.agent.skills import Call, Skill
@@ -30,6 +30,21 @@ def _no_way() -> None:
     """What a body knows of a way without knowing any."""
 
 
+VALUE = "value"
+"""What the templates of a condition call the number that is said in it."""
+
+
+@dataclass(frozen=True, slots=True)
+class StateCondition:
+    """Something of the robot that orders can wait for: "when you are docked, beep"."""
+
+    sentences: Mapping[str, Sequence[str]]
+    """Templates for it, without "when", by language; `VALUE` may be a slot for a number."""
+    is_so: Callable[[float | None], bool]
+    """Returns whether it is so now, with the number that was said; false while that is unknown.
+    Must not block."""
+
+
 @dataclass(frozen=True, slots=True)
 class Known:
     """What a robot knows beside its conversation; by default nothing."""
@@ -47,6 +62,8 @@ class Known:
     battery: Callable[[], float | None] | None = None
     """Returns the charge from 0 to 1, or None while it is unknown. Must not block. None for a robot
     without a battery."""
+    conditions: Mapping[str, StateCondition] = field(default_factory=dict)
+    """What else of the robot orders can wait for, by name."""
     today: Callable[[], datetime] = datetime.now
     """Returns the date and time where the robot is."""
 

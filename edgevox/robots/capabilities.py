@@ -13,6 +13,7 @@ from typing import Any, Literal, Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import NDArray
 
+from edgevox.agent.known import StateCondition
 from edgevox.agent.skills import Skill
 from edgevox.core.cancel import CancelToken
 from edgevox.core.transforms import IDENTITY, ORIGIN, Pose2D, Pose3D, to_map
@@ -378,6 +379,15 @@ class TellsFacts(Protocol):
 
         Neither programs nor the language model can call them.
         """
+
+
+@runtime_checkable
+class TellsConditions(Protocol):
+    """Tells of itself what orders can wait for: "when you are docked, beep"."""
+
+    @property
+    def conditions(self) -> Mapping[str, StateCondition]:
+        """Conditions by name; a name is only told to programs."""
 
 
 @runtime_checkable

@@ -28,6 +28,7 @@ from edgevox.robots.capabilities import (
     MeasuresWays,
     RemembersPlaces,
     TakesVelocity,
+    TellsConditions,
     TellsFacts,
     TellsMotions,
     TellsStalls,
@@ -66,6 +67,7 @@ def known_of(body: Body) -> Known:
         way_left=lambda: _way_left(body),
         way_back=lambda: _way_back(body),
         battery=(lambda: _charge(body)) if isinstance(body, HasBattery) else None,
+        conditions=body.conditions if isinstance(body, TellsConditions) else {},
     )
 
 

@@ -28,10 +28,10 @@ from edgevox.core.status import (
     moves,
     stall,
 )
+from edgevox.robots.battery import charge_of
 from edgevox.robots.capabilities import (
     Body,
     CountsHalts,
-    HasBattery,
     KeepsPace,
     RemembersPlaces,
     TellsStalls,
@@ -98,7 +98,7 @@ class SimComponent:
         stalled_s = body.stalled_s if isinstance(body, TellsStalls) else 0.0
         breaks = steps.breaks if steps else 0
         found = stall(stalled_s, "the world has")
-        battery = body.battery() if isinstance(body, HasBattery) and not found else None
+        battery = None if found else charge_of(body)
         if fault := fault_of(body):
             found.append(Finding(Level.ERROR, fault))
         if isinstance(body, ReportsDoubts):

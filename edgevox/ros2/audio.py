@@ -10,13 +10,14 @@ from collections.abc import Mapping
 import numpy as np
 from rclpy.node import Node
 
+from edgevox.core.clock import Clock, SystemClock
 from edgevox.core.errors import Refusal
 from edgevox.core.log import get_logger
 from edgevox.ros2.messages import profile
 from edgevox.ros2.standard_topics import AUDIO_IN, AUDIO_OUT
 from edgevox.voice.audio import RATE_HZ, Samples
 from edgevox.voice.sinks.paced import Relay
-from edgevox.voice.sources.pushed import Pushed
+from edgevox.voice.sources.pushed import FormCheck, Pushed
 from edgevox_msgs.msg import AudioData
 
 log = get_logger(__name__)
@@ -60,11 +61,13 @@ class AudioIn:
     """Subscribes to a microphone's topic, best effort; the callback only queues.
 
     Messages are `edgevox_msgs/msg/AudioData`: 16 kHz, mono, 16 bit little-endian. A message that is
-    empty, cut within a sample or longer than a second is refused, counted and logged.
+    empty, cut within a sample or longer than a second is refused, counted and logged. Sound of
+    another form is told after `WINDOW_S`.
     """
 
-    def __init__(self, node: Node, source: Pushed) -> None:
+    def __init__(self, node: Node, source: Pushed, clock: Clock | None = None) -> None:
         self._source = source
+        self._clock, self._form = clock or SystemClock(), FormCheck()
         self.refused: Counter[Refusal] = Counter({Refusal.INVALID: 0, Refusal.TOO_LONG: 0})
         self._node = node
         self._subscription = node.create_subscription(
@@ -77,6 +80,13 @@ class AudioIn:
         """The number of messages that were refused, by topic and reason."""
         return {(TOPIC_IN, reason): count for reason, count in self.refused.items()}
 
+    def _judge(self, samples: Samples) -> None:
+        """Tell once that sound of another form comes."""
+        doubt = self._form.judge(samples, self._clock.now())
+        if doubt and not self._source.doubt:
+            log.warning("sound_odd", topic=self._source.name, reason=doubt)
+        self._source.doubt = self._source.doubt if doubt is None else doubt
+
     def close(self) -> None:
         """Hear nothing more."""
         self._node.destroy_subscription(self._subscription)
@@ -84,7 +94,9 @@ class AudioIn:
     def _hear(self, message: AudioData) -> None:
         size = len(message.data)
         if 0 < size <= MAX_BYTES and size % SAMPLE_BYTES == 0:
-            self._source.push(np.frombuffer(message.data, "<i2").astype(np.int16))
+            samples = np.frombuffer(message.data, "<i2").astype(np.int16)
+            self._judge(samples)
+            self._source.push(samples)
             return
         reason = Refusal.TOO_LONG if size > MAX_BYTES else Refusal.INVALID
         self.refused[reason] += 1

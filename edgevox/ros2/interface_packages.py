@@ -21,6 +21,7 @@ from graphlib import CycleError, TopologicalSorter
 from importlib import metadata
 from pathlib import Path
 
+_PYTHON = f"{sys.version_info.major}.{sys.version_info.minor}"
 KINDS = ("msg", "srv", "action")
 STAMP = "built-from"
 """The file of a built package, in its folder below share/, that says what it was built from."""
@@ -194,6 +195,8 @@ class Builder:
                 f"-DCMAKE_INSTALL_PREFIX={self._prefix}",
                 f"-DCMAKE_INSTALL_RPATH={self._prefix / 'lib'}",
                 f"-DPython3_EXECUTABLE={sys.executable}",
+                # Debian's Python would have them below local/, where no PYTHONPATH of ROS 2 looks.
+                f"-DPYTHON_INSTALL_DIR=lib/python{_PYTHON}/site-packages",
                 "-DBUILD_TESTING=OFF",
                 "-Wno-dev",
                 "-Wno-deprecated",

@@ -136,6 +136,14 @@ EXTERNAL: tuple[StandardTopic, ...] = (
         "optional",
     ),
     StandardTopic(
+        "battery_state",
+        "sensor_msgs/msg/BatteryState",
+        "in",
+        lossy(5),
+        "the charge: `percentage` from 0 to 1, or to 100",
+        "optional",
+    ),
+    StandardTopic(
         "cmd_vel",
         "geometry_msgs/msg/Twist",
         "out",

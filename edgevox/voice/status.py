@@ -62,6 +62,8 @@ class AudioComponent:
         faults |= {"microphone": source_fault, "loudspeaker": sink_fault}
         found = [Finding(Level.ERROR, f"{what}: {why}") for what, why in faults.items() if why]
         dropped = int(getattr(self._source, "dropped", 0))  # of one that can lose any
+        if doubt := getattr(self._source, "doubt", ""):
+            found.append(Finding(Level.WARN, f"{self._source.name}: {doubt}"))
         if self._losing.grew(dropped):
             found.append(Finding(Level.WARN, f"frames are dropped unheard, {dropped} by now"))
         if self._failing.grew(failed := self._listener.failed):

@@ -48,7 +48,7 @@ SKILLS: Mapping[str, SkillSet] = {
     "humanoid": SkillSet(walking_skills(Elsewhere())),
     "external": SkillSet(
         [
-            *navigation_skills(Elsewhere(), word=LOCATION, memory=PlaceMemory("external", ROOMS)),
+            *navigation_skills(Apartment(), word=LOCATION, memory=PlaceMemory("external", ROOMS)),
             *driving_skills(Elsewhere()),
         ]
     ),

@@ -1,6 +1,7 @@
 """A robot of one's own in the container: by a folder, by plug-ins, by an image of one's own."""
 
 import hashlib
+import os
 import secrets
 import shutil
 import subprocess
@@ -13,6 +14,8 @@ from stacks import ROOT, docker, stack
 pytestmark = pytest.mark.long
 
 TEMPLATE = ROOT / "examples" / "robot_repository"
+BUILD = "/src/docker/build_interfaces"
+SPOT = ROOT / "examples" / "robot_file" / "spot"
 SHUTTLE = ROOT / "examples" / "own_robot"
 TMP = "/tmp:mode=1777"  # noqa: S108 - the container's
 HARDENED = ("--read-only", "--cap-drop", "ALL", "--network", "none", "--tmpfs", TMP)
@@ -86,6 +89,25 @@ def test_a_plug_in_that_is_mounted_brings_its_robot_without_network_or_a_place_t
     assert ran.stdout.startswith("robot-shuttle has")
     assert '"event":"plugin_loaded"' in ran.stderr
     assert not list(plugins.rglob("__pycache__"))
+
+
+def test_interfaces_are_built_for_the_container_and_its_robot_file_has_them(
+    image, tmp_path, monkeypatch
+):
+    builder = f"{image}-interfaces"
+    monkeypatch.setenv("TAG", image.rpartition(":")[2])
+    subprocess.run([ROOT / "docker" / "image", "interfaces"], check=True, capture_output=True)
+    folder = tmp_path / "robot"
+    shutil.copytree(SPOT, folder)
+    for one in (tmp_path, folder):
+        one.chmod(0o755)
+    user = ("--user", f"{os.getuid()}:{os.getgid()}", "--volume", f"{folder}:/robot")
+    docker("run", "--rm", *user, builder, BUILD, "/robot/interfaces", "/robot")
+    where = ("--volume", f"{folder}:{MOUNT}:ro", "--env", f"EDGEVOX_ROBOT_FOLDER={MOUNT}")
+    ran = run(image, "--check", flags=where)
+    assert ran.returncode == 0, ran.stdout + ran.stderr
+    assert "leave_dock" in ran.stdout
+    assert "is off" not in ran.stderr
 
 
 def test_a_broken_plug_in_is_named_and_the_robot_starts_without_it(image, plugins):

@@ -7,14 +7,27 @@ import phrases
 import pytest
 from agent_process import READY, Agent
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
-from external_rig import robot_process
+from external_rig import EXAMPLES, robot_process
+from guards import HUNG_S
 from interface_overlay import build_overlay, overlaid
 from peer import RELIABLE, Peer
 from robot_file_rig import Asked, Talk
 from waiting import Heard
 
-HERE = Path(__file__).parent
-EXAMPLES = HERE.parents[1] / "examples" / "robot_file"
+
+def file_of(name: str) -> Path:
+    """The robot file of the example of this name."""
+    folder = EXAMPLES / name
+    return folder / "robot.yaml" if folder.is_dir() else folder.with_suffix(".yaml")
+
+
+def play(name: str, scenario: str, domain: int) -> tuple[int, str]:
+    """How an agent of its own ends that plays a scenario of the example, and what it tells."""
+    agent = Agent(
+        "robot-external", "--llm=none", f"--robot-file={file_of(name)}",
+        f"--scenario={EXAMPLES / name / 'scenarios' / scenario}.yaml", domain=domain,
+    )  # fmt: skip
+    return agent.process.wait(HUNG_S), agent.output
 
 
 class Example:
@@ -54,7 +67,9 @@ class Example:
         assert (body.level, body.message) == (DiagnosticStatus.OK, "runs")
 
     def robot_starts(self) -> None:
-        one = robot_process(f"{self._name}_robot.py", domain=self._domain, namespace="/")
+        own = f"{self._name}/robot.py"
+        script = own if (EXAMPLES / own).is_file() else f"{self._name}_robot.py"
+        one = robot_process(script, domain=self._domain, namespace="/")
         self._process = self._robot.enter_context(one)
 
     def robot_dies(self) -> None:
@@ -82,7 +97,7 @@ def example(
     with pytest.MonkeyPatch.context() as patch, contextlib.ExitStack() as running:
         for variable, value in overlaid(prefixes).items():
             patch.setenv(variable, value)
-        described = file or EXAMPLES / f"{name}.yaml"
+        described = file or file_of(name)
         agent = Agent(
             "robot-external", "--text-mode", "--ros2", "--llm=none", f"--robot-file={described}",
             domain=domain,

@@ -17,6 +17,7 @@ from edgevox.core.cancel import CancelToken
 from edgevox.ros2.external.robot import ExternalRobot
 
 HERE = Path(__file__).parent
+EXAMPLES = HERE.parents[1] / "examples" / "robot_file"
 LEAVES_S = 20.0
 """For a stand-in to leave by itself, so that others need not find out that it is gone."""
 
@@ -28,14 +29,22 @@ def wheels(*arguments: str, domain: int, namespace: str = "/"):
 
 @contextlib.contextmanager
 def robot_process(script: str, *arguments: str, domain: int, namespace: str):
-    """A robot of this folder in a process of its own."""
+    """A robot in a process of its own: a script of this folder, or of the robot files' examples."""
+    path = HERE / script
     environment = {
         **os.environ,
+        "PYTHONPATH": os.pathsep.join([str(EXAMPLES), os.environ.get("PYTHONPATH", "")]),
         "ROS_DOMAIN_ID": str(domain),
         "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST",
     }
     process = subprocess.Popen(
-        [sys.executable, str(HERE / script), "--namespace", namespace, *arguments],
+        [
+            sys.executable,
+            str(path if path.is_file() else EXAMPLES / script),
+            "--namespace",
+            namespace,
+            *arguments,
+        ],
         env=environment,
         stdin=subprocess.PIPE,
         text=True,

@@ -1,7 +1,7 @@
 """Interface packages of robots, built for tests where no ROS 2 has them.
 
-`interfaces/` has a folder for each package: the definitions that tests use, with the names and the
-types of the real ones' fields.
+`interfaces/`, and each example of a robot file that has a stand-in, has a folder for each package:
+the definitions that are used, with the names and the types of the real ones' fields.
 """
 
 import fcntl
@@ -11,7 +11,8 @@ from pathlib import Path
 
 from edgevox.ros2.interface_packages import Builder, packages_in
 
-SOURCES = Path(__file__).parent / "interfaces"
+HERE = Path(__file__).parent
+SOURCES = [HERE / "interfaces", *HERE.parents[1].glob("examples/robot_file/*/")]
 
 
 def build_overlay(packages: Iterable[str], cache: Path) -> list[Path]:
@@ -43,5 +44,6 @@ def _built(name: str, cache: Path) -> Path:
     # Workers of pytest-xdist share the cache.
     with (cache / f"{name}.lock").open("w") as lock:
         fcntl.flock(lock, fcntl.LOCK_EX)
-        Builder(prefix, print).build(packages_in(SOURCES / name))
+        (source,) = filter(Path.is_dir, (one / name for one in SOURCES))
+        Builder(prefix, print).build(packages_in(source))
     return prefix

@@ -1,10 +1,8 @@
-"""examples/robot_file/spot.yaml, talked to: what it needs, what it tells, and why it refuses."""
+"""examples/robot_file/spot/, talked to: what it needs, what it tells, and why it refuses."""
 
 import phrases
 import pytest
-from agent_process import Agent
-from example_rig import EXAMPLES, example
-from guards import HUNG_S
+from example_rig import example, play
 
 pytestmark = pytest.mark.long
 
@@ -73,8 +71,6 @@ def test_a_list_without_entries_is_no_answer(talk, spot):
     spot.asked.do("learn")
 
 
-def test_its_scenario_comes_true(talk, spot, domain):
-    arguments = ("--llm=none", f"--robot-file={EXAMPLES / 'spot.yaml'}")
-    scenario = f"--scenario={EXAMPLES / 'spot_morning.yaml'}"
-    agent = Agent("robot-external", *arguments, scenario, domain=domain)
-    assert agent.process.wait(HUNG_S) == 0, agent.output
+def test_its_scenario_comes_true(talk, domain):
+    code, told = play("spot", "morning", domain)
+    assert code == 0, told

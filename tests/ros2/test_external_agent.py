@@ -8,7 +8,10 @@ import pytest
 from agent_process import AGENT
 from external_rig import Velocities, wheels
 from guards import run_program
-from peer import STATE
+from peer import SENSOR, STATE
+from robot_file_rig import Talk
+from sensor_msgs.msg import BatteryState
+from waiting import wait_until
 
 LOCATIONS = "desk: {x: 0.8, y: 0.0, aliases: [table]}\ndock: {x: -1.0, y: 0.0}\n"
 
@@ -60,6 +63,23 @@ def test_a_sentence_drives_a_robot_that_only_speaks_ros_2_once_it_is_there(
         response.wait_for(lambda m: m == phrases.said("stopped"))
         state.wait_for(lambda m: json.loads(m)["goal"] is None, since=len(state.messages))
         assert max(linear for linear, _ in asked.moving) <= 0.6
+
+
+def test_the_usual_topic_of_a_battery_is_heard_and_waited_for(agent, peer, domain):
+    agent("--namespace=/robot1", robot="robot-external")
+    talk = Talk(peer())
+    assert phrases.why("no_battery") in talk.answer("how full is your battery")
+    assert talk.answer("if your battery is low, where are you") == phrases.refused("no_battery")
+    robot = peer("/robot1")
+    charge = robot.node.create_publisher(BatteryState, "/robot1/battery_state", SENSOR)
+    percent = phrases.done("battery", percent=63)
+
+    def told(percentage: float) -> bool:
+        charge.publish(BatteryState(percentage=percentage))
+        return percent in talk.answer("how full is your battery")
+
+    wait_until(lambda: told(0.63), "the battery")
+    wait_until(lambda: told(63.0), "the battery, by a driver that tells percent")
 
 
 @pytest.mark.parametrize(

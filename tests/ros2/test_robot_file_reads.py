@@ -3,6 +3,7 @@
 from pathlib import Path
 
 import pytest
+from example_rig import file_of
 from geometry_msgs.msg import PoseStamped
 
 from edgevox.agent.nlu.templates import Recogniser, Understood
@@ -201,7 +202,13 @@ def test_the_topics_that_may_be_called_otherwise_are_those_of_the_contract():
     [
         ("cleaner", "set_suction", "sauge kräftig", {"power": "strong"}, "Ich sauge jetzt stark."),
         ("cleaner", "set_suction", "sauge quiet", {"power": "quiet"}, "Ich sauge jetzt leise."),
-        ("base", "set_lights", "mach das Licht aus", {"colour": "dark"}, "Mein Licht ist dunkel."),
+        (
+            "turtlebot4",
+            "set_lights",
+            "mach das Licht aus",
+            {"colour": "dark"},
+            "Mein Licht ist dunkel.",
+        ),
         (
             "quadruped",
             "set_gait",
@@ -209,13 +216,13 @@ def test_the_topics_that_may_be_called_otherwise_are_those_of_the_contract():
             {"gait": "trot"},
             "Meine Gangart ist jetzt Trab.",
         ),
-        ("arm", "move_arm", "Arm bereit", {"pose": "ready"}, "Der Arm ist in Bereitschaft."),
+        ("ur5e", "move_arm", "Arm bereit", {"pose": "ready"}, "Der Arm ist in Bereitschaft."),
     ],
 )
 def test_the_examples_say_and_hear_values_by_their_german_names(
     name, skill, sentence, values, done
 ):
-    robot = load_robot_file(EXAMPLE.with_name(f"{name}.yaml")).robot
+    robot = load_robot_file(file_of(name)).robot
     one = DescribedSkill(skill, robot.skills[skill], [], None, []).skill()
     found = Recogniser(SkillSet([one]), "de").recognise(sentence)
     assert found == Understood((Call(skill, values),))

@@ -20,6 +20,10 @@ state:
     sentences: [is the door open]
     done: The door is {{door}}.
     words: {{door: {{true: open, false: shut}}}}
+    when:
+      - equals: true
+        sentences: ["[the|your] door is open"]
+        languages: {{de: ["die Tür offen ist"]}}
 needs: [{{state: door, equals: true, failed: The door is shut. Open it first.}}]
 skills:
   honk:
@@ -84,3 +88,28 @@ def test_an_order_waits_for_the_battery_by_the_state(talk, asked):
     talk.ask_until("is the door open", "The door is shut.")
     with asked.within("honk", True):
         talk.say("if the battery is below 50 percent honk", "That was loud.")
+
+
+def test_an_order_waits_for_any_state_by_its_own_words_and_fires_once(talk, asked):
+    talk.ask_until("is the door open", "The door is shut.")
+    waits = phrases.said("program_when", condition="the door is open", order="going to x 1, y 2.")
+    talk.say("when the door is open go to x 1 y 2", waits.split(":")[0])
+    with talk.told(phrases.opening("program_now")):
+        asked.do("open")
+    talk.say("stop", "")
+
+
+def test_an_order_waits_for_a_number_that_is_said(talk, asked):
+    asked.do("shut")
+    talk.ask_until("is the door open", "The door is shut.")
+    with asked.within("honk", True):
+        talk.say("when the warmth is above 30 degrees, honk", "That was loud.")
+    talk.say("when the warmth is above 90 degrees, honk", "“the warmth is above 90 degrees”")
+    assert "honk" not in talk.answer("what will you do next")
+
+
+def test_it_waits_in_german_too(talk, asked):
+    asked.do("shut")
+    talk.speak("de")
+    talk.say("wenn die Tür offen ist, fahr nach x 1 y 2", "„die Tür offen ist“")
+    talk.speak("en")

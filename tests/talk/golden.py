@@ -234,6 +234,7 @@ def _values(book: Phrasebook, *, doing: bool) -> dict[str, Any]:
         "action": going if doing else can[0],
         "actions": book.both(can),
         "argument": book.kind("room"),
+        "condition": "abc",
         "count": 5,
         "duration": book.say("minutes", count=5),
         "first": can[0],

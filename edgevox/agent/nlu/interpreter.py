@@ -5,10 +5,11 @@ answers in words, hands over to another agent, and fills in arguments that take 
 sentence is an order; then the robot asks first.
 """
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 
 from edgevox.agent.agents import Agent, by_name
+from edgevox.agent.known import StateCondition
 from edgevox.agent.llm.calls import HANDOFF, Protocol
 from edgevox.agent.llm.language_model import ChatMessage, LanguageModel, ModelBusy, ModelFailed
 from edgevox.agent.llm.prompt import History, size_tokens
@@ -19,7 +20,7 @@ from edgevox.agent.nlu.hearing.hypotheses import is_contested, is_same, likelies
 from edgevox.agent.nlu.hearing.near import NearCommands
 from edgevox.agent.nlu.hearing.sounds import Phonemes
 from edgevox.agent.nlu.meaning import ASK_FROM, HEARD_FROM, Meaning
-from edgevox.agent.nlu.order_reader import ProgramReader, Unclear
+from edgevox.agent.nlu.order_reader import NO_CONDITIONS, ProgramReader, Unclear
 from edgevox.agent.nlu.orders import Program
 from edgevox.agent.nlu.questions import (
     CheckedAnswer,
@@ -71,8 +72,10 @@ class Interpreter:
         *,
         decider: Decider | None = None,
         phonemes: Phonemes | None = None,
+        conditions: Mapping[str, StateCondition] = NO_CONDITIONS,
     ) -> None:
         self._decider = decider
+        self._conditions = conditions
         self._phonemes = phonemes
         self._agents = by_name(agents)
         self._bus = bus
@@ -95,7 +98,7 @@ class Interpreter:
             if self._phonemes
             else {}
         )
-        self._programs = ProgramReader(code)
+        self._programs = ProgramReader(code, self._conditions)
         self._protocols = {
             a.name: Protocol(a.instructions, _for_models(a), a.handoffs, code) for a in agents
         }

@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from itertools import count
+from types import MappingProxyType
 
 from hassil import expression
 from hassil.expression import (
@@ -22,6 +23,7 @@ from hassil.expression import (
 )
 from hassil.parse_expression import parse_sentence
 
+from edgevox.agent.known import VALUE, StateCondition
 from edgevox.agent.nlu.orders import (
     After,
     Again,
@@ -33,6 +35,7 @@ from edgevox.agent.nlu.orders import (
     Repeat,
     Return,
     Say,
+    StateIs,
     Steps,
     When,
     parts_of,
@@ -76,9 +79,11 @@ def numeral(written: str) -> int:
     return total + current
 
 
-NUMBERS = frozenset({"count", "seconds", "minutes", "hours", "percent"})
+NUMBERS = frozenset({"count", "seconds", "minutes", "hours", "percent", VALUE})
 """Slots that hold a number; all others hold words."""
 
+_CONDITION = "condition"
+"""The rule for a condition of the robot, whose words are told to the person."""
 _PUNCTUATION = r"\s,;:.!?\u2026\u00bf\u00a1\u060c\u061f\u061b\u0964\u3001\u3002"
 _LETTER = r"\w\u0900-\u0963\u0971-\u097f"
 """Vowel signs of Devanagari are no word characters to `re`."""
@@ -135,7 +140,11 @@ def spelled(text: str, code: str) -> str:
 def patterns_of(code: str, kinds: tuple[str, ...]) -> Mapping[str, tuple[Pattern, ...]]:
     """The patterns of a language for these kinds of templates."""
     templates = phrasebook(code).programs.templates
-    return {kind: tuple(_pattern(code, one) for one in templates.get(kind, ())) for kind in kinds}
+    return {
+        kind: tuple(_pattern(code, one) for one in templates.get(kind, ()))
+        for kind in kinds
+        if kind != _WHEN
+    }
 
 
 @lru_cache
@@ -187,7 +196,8 @@ class _Writer:
             case ListReference(list_name=name):
                 return self._slot(name)
             case RuleReference(rule_name=name):
-                return f"(?:{self.write(self._rules[name].expression)})"
+                group = f"?P<{name}__{next(self._numbers)}>" if name == _CONDITION else "?:"
+                return f"({group}{self.write(self._rules[name].expression)})"
         raise TypeError(part)
 
     def _slot(self, name: str) -> str:
@@ -227,10 +237,13 @@ Plain = Callable[[str], Sequence[Call] | RefusedCommand | None]
 DEEPEST = 4
 """Number of wrappers that one sentence may have around a plain command."""
 _SECONDS = {"hours": 3600.0, "minutes": 60.0, "seconds": 1.0}
+_WHEN = "when"
+"""The wrapper of an order that waits for a condition of the robot."""
 _CLOCK = "clock"
 """The wrapper of an order for a time of day, or for every hour: it is refused."""
 _KINDS = (
     "low",
+    _WHEN,
     "wait",
     "after",
     "until",
@@ -243,7 +256,7 @@ _KINDS = (
     _CLOCK,
 )
 """The kinds of wrappers, the outermost first."""
-_MARKS = ("later", "low")
+_MARKS = ("later", "low", "empty")
 """Rules that mark an order for later."""
 _AT_ONCE = ("until", "times", "arrived", "saying", "back")
 """Wrappers around orders for now: no order inside may wait for its time."""
@@ -257,13 +270,18 @@ class Unclear:
 Read = Program | RefusedCommand | Unclear | None
 
 
+NO_CONDITIONS: Mapping[str, StateCondition] = MappingProxyType({})
+
+
 class ProgramReader:
     """Reads programs in sentences of one language and of English."""
 
-    def __init__(self, language: str = ENGLISH) -> None:
+    def __init__(
+        self, language: str = ENGLISH, conditions: Mapping[str, StateCondition] = NO_CONDITIONS
+    ) -> None:
         self._language = language
         codes = dict.fromkeys((language, ENGLISH))
-        self._languages = [_ProgramLanguage(phrasebook(code)) for code in codes]
+        self._languages = [_ProgramLanguage(phrasebook(code), conditions) for code in codes]
 
     def understand(self, text: str, plain: Plain, free: Plain) -> tuple[Read, bool]:
         """The result of `read`, and whether it comes from templates alone.
@@ -296,8 +314,13 @@ class ProgramReader:
 class _ProgramLanguage:
     """The templates of one phrasebook."""
 
-    def __init__(self, book: Phrasebook) -> None:
+    def __init__(self, book: Phrasebook, conditions: Mapping[str, StateCondition]) -> None:
         self._book = book
+        self._conditions = [
+            (name, *_waits_for(book, one.sentences[book.code]))
+            for name, one in conditions.items()
+            if one.sentences.get(book.code)
+        ]
         phrases, spaced = book.programs, book.hearing.spaced
         self._patterns = patterns_of(book.code, _KINDS)
         self._marks = marks_of(book.code, _MARKS)
@@ -326,7 +349,8 @@ class _ProgramLanguage:
         return RefusedCommand(self._book.say("program_clock")) if order else None
 
     def _is_later(self, words: str) -> bool:
-        return any(mark.slots(words, anywhere=True) is not None for mark in self._marks)
+        marks = (*self._marks, *(mark for _, _, mark in self._conditions))
+        return any(mark.slots(words, anywhere=True) is not None for mark in marks)
 
     def _read(self, words: str, plain: Plain, left: int) -> Program | RefusedCommand | None:
         calls = plain(words)
@@ -346,11 +370,20 @@ class _ProgramLanguage:
     def _matches(self, words: str) -> Iterator[tuple[str, dict[str, str]]]:
         has_number = any(character.isdigit() for character in words)
         for kind in _KINDS:
+            if kind == _WHEN:
+                yield from self._conditions_in(words)
+                continue
             for pattern in self._patterns[kind]:
                 if has_number or kind == _CLOCK or not pattern.wants_number:
                     slots = pattern.slots(words)
                     if slots is not None:
                         yield kind, slots
+
+    def _conditions_in(self, words: str) -> Iterator[tuple[str, dict[str, str]]]:
+        for name, patterns, _ in self._conditions:
+            for pattern in patterns:
+                if slots := pattern.slots(words):
+                    yield _WHEN, {**slots, _NAME: name}
 
     def _built(
         self, kind: str, slots: dict[str, str], plain: Plain, left: int
@@ -430,12 +463,32 @@ class _ProgramLanguage:
         return Repeat(Do(tuple(calls)), None) if len(calls) > 1 else None
 
 
+_NAME = "name"
+LOW_PERCENT = 20.0
+"""The charge below which a battery is low, where no number is said; the answer names it."""
+
+
+def _waits_for(book: Phrasebook, sentences: Sequence[str]) -> tuple[list[Pattern], Pattern]:
+    """The patterns of orders that wait for this condition, and the one that marks them."""
+    shared = _rules_of(book.code)
+    rules = {**shared.rules, _CONDITION: _parsed(f"({'|'.join(sentences)})")}
+    own = _ProgramRules(rules, shared.spaced)
+    slot, rule = f"{{{_CONDITION}}}", f"<{_CONDITION}>"
+    written = [one.replace(slot, rule) for one in book.programs.templates.get(_WHEN, ())]
+    orders = [Pattern(own, _parsed(one)) for one in written]
+    return orders, Pattern(own, _parsed(f"<{_WHEN}>" + " " * shared.spaced + f"<{_CONDITION}>"))
+
+
 def _around(kind: str, order: Program, slots: dict[str, str]) -> Program:
     match kind:
         case "after":
             return After(_seconds(slots.items()), order)
         case "low":
-            return When(BatteryBelow(number(slots["percent"])), order)
+            percent = number(slots["percent"]) if "percent" in slots else LOW_PERCENT
+            return When(BatteryBelow(percent), order)
+        case "when":
+            value = number(slots[VALUE]) if VALUE in slots else None
+            return When(StateIs(slots[_NAME], slots[_CONDITION].strip(), value), order)
         case "until":
             return Repeat(_once(order), None)
         case "times":

@@ -76,7 +76,19 @@ class Arrived:
     """Condition: the motion that runs at the time of the order has reached its end."""
 
 
-Condition = BatteryBelow | Arrived
+@dataclass(frozen=True, slots=True)
+class StateIs:
+    """Condition: what the robot tells of itself is so."""
+
+    name: str
+    """The name of the condition, among those that the robot knows."""
+    said: str
+    """The words that it was named by."""
+    value: float | None = None
+    """The number that it compares with, if one was said."""
+
+
+Condition = BatteryBelow | StateIs | Arrived
 
 
 @dataclass(frozen=True, slots=True)

@@ -279,6 +279,7 @@ MAX_CHARACTERS = 240
 
 _NUMBER = re.compile(NUMBER)
 _PAIR = re.compile(rf"({NUMBER})\s*,?\s+(?={NUMBER}(?:[\s,]|\W*$))")
+_PERCENT = re.compile(r"(?<=\d)\s*%")
 _NOTHING = "nothingatall"
 _NEAR, _WORD_NEAR = 0.8, 0.6
 """Least similarity of a misheard name to a known one, as a whole and for each word."""
@@ -396,7 +397,9 @@ class _TemplateReader:
 
     def _one(self, part: str) -> Understood | RefusedCommand | None:
         """The call of a single sentence; two bare numbers side by side count as "x and y"."""
-        paired = _PAIR.sub(rf"\1 {self._book.hearing.pair} ", part)
+        hearing = self._book.hearing
+        part = _PERCENT.sub(f" {hearing.percent}", part)
+        paired = _PAIR.sub(rf"\1 {hearing.pair} ", part)
         sentence = written(unpunctuated(separated(paired)), self._book.hearing)
         for call in self._matches(sentence, self._strict):
             return Understood((call,))

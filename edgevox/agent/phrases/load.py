@@ -86,6 +86,7 @@ def _hearing(data: Mapping[str, Any], ors: Sequence[str], *, spaced: bool) -> He
         articles=tuple(data.get("articles", ())),
         clause_words=frozenset(map(key, (*data.get("clause_words", ()), *(ors if spaced else ())))),
         pair=data.get("pair", "and"),
+        percent=data.get("percent", "%"),
         spaced=spaced,
         written=data.get("written", ""),
         reserved=tuple(data.get("reserved", ())),

@@ -127,6 +127,8 @@ class Hearing:
     """Words that never stand in a name."""
     pair: str = "and"
     """The word to put between two bare numbers."""
+    percent: str = "%"
+    """The word for a percent sign after a number; "%" where it stands before the number."""
     spaced: bool = True
     """False for a script without spaces between words."""
     written: str = ""

@@ -16,6 +16,7 @@ from edgevox.agent.nlu.orders import (
     BatteryBelow,
     Program,
     Repeat,
+    StateIs,
     When,
     calls_of,
     drives,
@@ -240,10 +241,10 @@ class Programs:
                 kept.due_s = self._clock.now() + delay_s
                 self._store.later(kept, delay_s, partial(self._fire, kept))
                 self._store.tell(kept)
-            case When(condition=BatteryBelow()):
+            case When(condition=BatteryBelow() | StateIs()):
                 self._store.later(kept, LONGEST_WAIT_S, partial(self._unmet, kept))
                 self._store.tell(kept)
-                self._waits.for_battery()
+                self._waits.for_state()
             case When():
                 moving = self._executor.moving
                 if moving is None:

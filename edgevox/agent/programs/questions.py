@@ -9,6 +9,7 @@ from edgevox.agent.nlu.orders import (
     BatteryBelow,
     Repeat,
     Say,
+    StateIs,
     When,
     calls_of,
     is_endless,
@@ -58,6 +59,8 @@ def _features(one: Kept, book: Phrasebook) -> Iterator[str]:
             case When(condition=BatteryBelow(percent=percent)):
                 yield f"{percent:g}"
                 yield "|".join(names.get("battery", ()))
+            case When(condition=StateIs(said=said)):
+                yield said
             case Repeat(count=float() | int() as count):
                 yield f"{count:g}"
             case Say(words=words):

@@ -19,6 +19,7 @@ from edgevox.agent.nlu.orders import (
     Repeat,
     Return,
     Say,
+    StateIs,
     Steps,
     When,
     parts_of,
@@ -59,6 +60,9 @@ def in_words(program: Program, phrases: Phrasebook, skills: SkillSet) -> str:
         case When(condition=BatteryBelow(percent=percent), program=inner):
             order = _part(inner, phrases, skills)
             return phrases.say("program_low", percent=f"{percent:g}", order=order)
+        case When(condition=StateIs(said=said), program=inner):
+            order = _part(inner, phrases, skills)
+            return phrases.say("program_when", condition=said, order=order)
         case When(condition=Arrived(), program=inner):
             return phrases.say("program_arrived", order=_part(inner, phrases, skills))
     raise TypeError(program)

@@ -3,7 +3,7 @@
 - `Kept`: a kept program with its rest, its due time and its progress.
 - `check_bounds`: refuses a program that is too large, with a reason.
 - `ProgramStore`: holds each program from one put to one take, and publishes its changes.
-- `Waits`: waits for a low battery or for the end of a goal.
+- `Waits`: waits for a state of the robot, such as a low battery, or for the end of a goal.
 """
 
 import threading
@@ -22,6 +22,7 @@ from edgevox.agent.nlu.orders import (
     Program,
     Repeat,
     Return,
+    StateIs,
     When,
     calls_of,
     parts_of,
@@ -104,7 +105,7 @@ def _check_part(part: Program, known: Known, skills: Collection[Skill]) -> None:
             count == int(count) and 1 <= count <= MAX_TIMES
         ):
             raise SkillFailed(because("program_times", said=f"{count:g}", count=str(MAX_TIMES)))
-        case When(condition=BatteryBelow()) if known.battery is None:
+        case When(condition=BatteryBelow()) if known.battery is None or known.battery() is None:
             raise SkillFailed(because("no_battery"))
         case When(condition=BatteryBelow(percent=percent)) if not 0 < percent < 100:
             raise SkillFailed(because("program_percent", said=f"{percent:g}"))
@@ -212,8 +213,8 @@ class ProgramStore:
                 self._bus.publish(self.event(kept, end, reason))
 
 
-LOOK_EVERY_S = 5.0
-"""Seconds between two looks at the battery while a program waits for it."""
+LOOK_EVERY_S = 0.5
+"""Seconds between two looks at the robot's state while a program waits for it."""
 
 
 class Waits:
@@ -236,8 +237,8 @@ class Waits:
         self._looks = False
         self._goals: dict[str, tuple[Goal, Kept]] = {}
 
-    def for_battery(self) -> None:
-        """Look at the battery now, and repeat that while a program waits for it."""
+    def for_state(self) -> None:
+        """Look at the robot's state now, and repeat that while a program waits for it."""
         with self._lock:
             begins, self._looks = not self._looks, True
         if begins:
@@ -265,25 +266,29 @@ class Waits:
             then(kept)
 
     def _look(self) -> None:
-        """Look at the battery once, on the timer's thread."""
-        charge = self._known.battery() if self._known.battery else None
-        waiting = [kept for kept in self._store.all if _percent(kept) is not None]
-        low = [kept for kept in waiting if charge is not None and _is_below(charge, kept)]
+        """Look at the state once, on the timer's thread."""
+        waiting = [kept for kept in self._store.all if _state_of(kept) is not None]
+        met = [kept for kept in waiting if self._is_so(_state_of(kept))]
         with self._lock:
-            self._looks = len(waiting) > len(low)
+            self._looks = len(waiting) > len(met)
             if self._looks:
                 self._timer.set(LOOK_EVERY_S, self._look)
-        for kept in low:
+        for kept in met:
             self._met(kept)
 
+    def _is_so(self, condition: BatteryBelow | StateIs | None) -> bool:
+        match condition:
+            case BatteryBelow(percent=percent):
+                charge = self._known.battery() if self._known.battery else None
+                return charge is not None and 100 * charge < percent
+            case StateIs(name=name, value=value):
+                return self._known.conditions[name].is_so(value)
+        return False
 
-def _percent(kept: Kept) -> float | None:
+
+def _state_of(kept: Kept) -> BatteryBelow | StateIs | None:
+    """The state that a program waits for; None if it waits for none."""
     match kept.program:
-        case When(condition=BatteryBelow(percent=percent)):
-            return percent
+        case When(condition=BatteryBelow() | StateIs() as condition):
+            return condition
     return None
-
-
-def _is_below(charge: float, kept: Kept) -> bool:
-    percent = _percent(kept)
-    return percent is not None and 100 * charge < percent

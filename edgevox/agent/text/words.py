@@ -33,7 +33,9 @@ def as_part(sentence: str) -> str:
 
 
 def continued(sentence: str) -> str:
-    """A sentence as the end of another."""
+    """A sentence as the end of another; the English "I" stays."""
+    if re.match(r"I\b", sentence):
+        return sentence
     return f"{sentence[:1].lower()}{sentence[1:]}"
 
 

@@ -11,6 +11,7 @@ from typing import Any
 from hassil.expression import Alternative, Expression, Group, ListReference, TextChunk
 from hassil.parse_expression import parse_sentence
 
+from edgevox.agent.known import VALUE, StateCondition
 from edgevox.agent.nlu.templates import Recogniser, Understood
 from edgevox.agent.phrases.load import ENGLISH, phrasebook
 from edgevox.agent.phrases.name_rules import check_skills
@@ -26,7 +27,7 @@ from edgevox.core.bus import Bus
 from edgevox.core.errors import InvalidValue
 from edgevox.core.files.text import one_line
 from edgevox.core.settings import Settings
-from edgevox.robots.capabilities import Body, FromFile
+from edgevox.robots.capabilities import Body, FromFile, TellsConditions
 
 SHORT = 60
 """Instead of a longer template, one of its sentences is shown."""
@@ -51,6 +52,12 @@ def check_robot(body: Body, settings: Settings) -> bool:
         said = [sentence for sentence in templates if len(sentence) <= SHORT]
         said += [_plainest(template, one, english) for template in templates[:1]]
         show(one_line(f"  {one.name}: {one.description} {said[0] if said else ''}".rstrip()))
+    if waits := _conditions(body):
+        show("orders can wait until:")
+    for condition in waits.values():
+        expression = parse_sentence(condition.sentences[ENGLISH][0]).expression
+        plain = _sentences(expression, {VALUE: [f"{{{VALUE}}}"]})[0]
+        show(one_line(f"  {' '.join(plain.split())}"))
     for text in strange_names(guard, skills):
         show(one_line(f"the policy names what the robot has not: {text}"))
     return _tell_file(body, skills) if isinstance(body, FromFile) else True
@@ -61,7 +68,7 @@ def _tell_file(body: FromFile, skills: Sequence[Skill]) -> bool:
     works = not body.skills_off
     for name, why in body.skills_off.items():
         show(one_line(f"{name} is off: {why}"), error=True)
-    for one in conflicts(body, skills):
+    for one in (*conflicts(body, skills), *_stops(body)):
         show(one_line(str(one)), error=True)
         works &= isinstance(one, str)
     return works
@@ -96,6 +103,21 @@ def conflicts(body: FromFile, skills: Sequence[Skill]) -> Iterator[InvalidValue 
             )
             if first := next(found, None):
                 yield first
+
+
+def _conditions(body: object) -> Mapping[str, StateCondition]:
+    return body.conditions if isinstance(body, TellsConditions) else {}
+
+
+def _stops(body: FromFile) -> Iterator[InvalidValue]:
+    """The conditions of the body that would stop it, at most one sentence of each."""
+    for name, one in _conditions(body).items():
+        for code, templates in one.sentences.items():
+            said = (s for t in templates for s in _sentences(parse_sentence(t).expression, {}))
+            found = ((s, word) for s in said if (word := find_stop_word(code, s)))
+            if stopping := next(found, None):
+                expected = f"a sentence without {stopping[1]!r}, which stops the robot"
+                yield InvalidValue(f"state.{name.split()[0]}.when", stopping[0], expected)
 
 
 def _conflict(

@@ -1,5 +1,7 @@
 """Errors of servers, by the reaction that each needs."""
 
+from collections.abc import Callable
+
 from edgevox.core.errors import EdgeVoxError
 
 
@@ -25,6 +27,22 @@ class RequestRefused(ServerFailed):
 
 class OddAnswer(ServerFailed):
     """The server works, and this answer makes no sense; others may."""
+
+
+LOOK_S = 0.14
+"""Seconds after which a server that has not answered is asked for a sign of life, and for which it
+may take to give one."""
+
+
+def is_alive(ask: Callable[[], object]) -> bool:
+    """Whether a server answers this at all; what it answers does not matter."""
+    try:
+        ask()
+    except Unreachable:
+        return False
+    except ServerFailed:
+        pass
+    return True
 
 
 _OF_THE_REQUEST = (400, 413, 422)

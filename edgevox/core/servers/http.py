@@ -1,6 +1,7 @@
 """Requests over HTTP to a server of models."""
 
 import ssl
+import time
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from http import HTTPStatus
@@ -12,7 +13,7 @@ from edgevox.core.cancel import CancelToken
 from edgevox.core.errors import InvalidValue
 from edgevox.core.files.json_reader import read_json
 from edgevox.core.servers.address import Address
-from edgevox.core.servers.errors import Unreachable, Unusable, by_status
+from edgevox.core.servers.errors import LOOK_S, Unreachable, Unusable, by_status, is_alive
 from edgevox.core.servers.exchange import CONNECT_S, SILENCE_S, Exchange, Exchanges
 
 MOST_BYTES = 4 << 20
@@ -141,6 +142,10 @@ class HttpServer:
         finally:
             forget()
             one.drop()
+
+    def lives(self, token: CancelToken) -> bool:
+        """Whether it answers within `LOOK_S`."""
+        return is_alive(lambda: self.read_json("models", time.monotonic() + LOOK_S, token))
 
     def read_json(self, route: str, deadline_s: float, token: CancelToken) -> Any:
         """A whole reply in JSON; None if cancelled. Raises `ServerFailed`."""

@@ -104,8 +104,12 @@ class ExternalRobot:
         names = {name: one.names for name, one in self._locations.items()}
         known = OneOf(tuple(self._places), aliases, names=names)
         self.place_memory = PlaceMemory(namespace, known)
+        if "battery" not in {one.name for one in described}:  # else it says it itself
+            states = states.with_battery()
         self._described, self._states = described, states
-        if states.has_battery:  # else it has none that could be asked for
+        self.conditions = states.conditions()
+        """What its states let orders wait for."""
+        if states.has_battery:
             self.battery = states.battery
         self.ros = AgentNodeHandle(self._clock)
         """Access to its node, for skills."""
@@ -446,6 +450,8 @@ class StationaryRobot:
     ) -> None:
         self._namespace = namespace
         self._described: Sequence[DescribedSkill | RobotStates] = (*described, states)
+        self.conditions = states.conditions()
+        """What its states let orders wait for."""
         if states.has_battery:
             self.battery = states.battery
         self._clock = clock or SystemClock()

@@ -5,6 +5,7 @@ Also here: the words for a skill's values, in each language.
 
 from collections.abc import Iterator, Mapping
 from string import Formatter
+from types import MappingProxyType
 from typing import Annotated, Any, Protocol
 
 from pydantic import BaseModel, ConfigDict, Field, create_model
@@ -53,6 +54,26 @@ class Known(Protocol):
     """The constants of their messages, by the results' names."""
 
 
+Constants = Mapping[str, Mapping[str, Any]]
+"""The constants by which the file may call the values of results, by the results' names."""
+NO_CONSTANTS: Constants = MappingProxyType({})
+
+
+def by_value(
+    words: Mapping[str, Mapping[str, str]], constants: Constants
+) -> Mapping[str, Mapping[str, str]]:
+    """The words, with the values of constants instead of their names."""
+
+    def value(name: str, key: str) -> str:
+        known = constants.get(name, {})
+        return value_key(known[key]) if key in known else key
+
+    return {
+        name: {value(name, key): said for key, said in by_value.items()}
+        for name, by_value in words.items()
+    }
+
+
 def check_words(
     entry: SkillEntry, known: Known, file: YamlFile, at: Place, problems: Problems
 ) -> None:
@@ -97,7 +118,9 @@ REASON = "reason"
 """What a sentence about a failure calls its usual reason."""
 
 
-def failure_of(entry: SkillEntry, found: Reason, values: Mapping[str, Any]) -> Reason:
+def failure_of(
+    entry: SkillEntry, found: Reason, values: Mapping[str, Any], constants: Constants = NO_CONSTANTS
+) -> Reason:
     """Return a failure in the file's words, in each language in which it has some.
 
     `values` are all that are known: a sentence that names another is not said.
@@ -112,7 +135,7 @@ def failure_of(entry: SkillEntry, found: Reason, values: Mapping[str, Any]) -> R
     named = set().union(*map(values_in, told.values()))
     about: dict[str, Reason | Named | str | tuple[str, ...]] = {}
     for name in named - {REASON}:
-        about[name] = _about(entry, name, values[name])
+        about[name] = _about(entry, name, values[name], constants)
     if REASON in named:
         about[REASON] = found
     english = {name: in_english(value) for name, value in about.items()}
@@ -126,10 +149,15 @@ def _all_known(sentence: str, values: Mapping[str, Any]) -> bool:
     )
 
 
-def _about(entry: SkillEntry, name: str, value: Any) -> Named | str | tuple[str, ...]:
+def _about(
+    entry: SkillEntry, name: str, value: Any, constants: Constants
+) -> Named | str | tuple[str, ...]:
     """A value as reasons have it, with its words in each language."""
     said = {"en": entry, **entry.languages}
-    words = {code: _word(one.words.get(name, {}), value) for code, one in said.items()}
+    words = {
+        code: _word(by_value(one.words, constants).get(name, {}), value)
+        for code, one in said.items()
+    }
     if any(words.values()):
         return Named(value_key(value), {code: one for code, one in words.items() if one})
     if isinstance(value, list):

@@ -187,11 +187,47 @@ class Need(Comparison):
     )
 
 
+SAID = "{value}"
+"""Stands for the number that is said in a condition's sentence."""
+
+
+class Condition(Part):
+    """Something that orders can wait for: "when you are docked, beep" by "you are docked".
+
+    `{value}` in every sentence is the number that the state has to be `above` or `below`.
+    """
+
+    equals: Scalar | None = None
+    above: Number | Literal["{value}"] | None = None
+    below: Number | Literal["{value}"] | None = None
+    sentences: list[Template] = Field(min_length=1, max_length=50)
+    languages: Annotated[dict[str, list[Template]], AfterValidator(_known_languages)] = Field(
+        default_factory=dict, description="`sentences` in other languages"
+    )
+
+    @model_validator(mode="after")
+    def _compares_with_what_is_said(self) -> "Condition":
+        self.compared(0.0)
+        for one in [*self.sentences, *(one for some in self.languages.values() for one in some)]:
+            if (SAID in one) != (SAID in (self.above, self.below)):
+                expected = "{value} in each of the sentences, and as above or below; or in none"
+                raise wrong(("sentences",), one, expected)
+        return self
+
+    def compared(self, value: float | None) -> Comparison:
+        """What the state has to be where this number is said."""
+
+        def number(one: float | str | None) -> float | None:
+            return value if isinstance(one, str) else one
+
+        return Comparison(equals=self.equals, above=number(self.above), below=number(self.below))
+
+
 class StateEntry(Sentences):
     """A value that the robot tells of itself: a field of a topic's newest message.
 
     The robot answers "what is the height" with `done`. A state named `battery` is the charge from 0
-    to 1, which EdgeVox asks for, tells and compares by itself.
+    to 1, which EdgeVox asks for, tells and compares by itself. `when` has what orders can wait for.
     """
 
     topic: GraphName
@@ -203,6 +239,7 @@ class StateEntry(Sentences):
     decimals: int = Field(3, ge=0, le=6)
     unit: str = Field("", max_length=40)
     description: str = Field("", max_length=100)
+    when: list[Condition] = Field(default_factory=list, max_length=MOST_NEEDS)
     languages: Annotated[dict[str, Sentences], AfterValidator(_known_languages)] = Field(
         default_factory=dict
     )
@@ -352,7 +389,8 @@ class RobotFile(Part):
         True, description="false for an arm, a lift and other robots that stay in place"
     )
     topics: Mapping[
-        Literal["odom", "cmd_vel", "goal_pose", "scan", "camera/image_raw", "map"], GraphName
+        Literal["odom", "cmd_vel", "goal_pose", "scan", "camera/image_raw", "map", "battery_state"],
+        GraphName,
     ] = Field(default_factory=dict)
     limits: Limits = Limits()
     footprint: Footprint | None = None

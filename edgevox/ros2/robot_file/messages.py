@@ -154,9 +154,11 @@ class Filling:
     def __init__(self, now: Callable[[], Any]) -> None:
         self._now = now
 
-    def fill(self, message: Any, template: Mapping[str, Any], arguments: Mapping[str, Any]) -> Any:
+    def fill(
+        self, message: Any, template: Mapping[str, Any] | str, arguments: Mapping[str, Any]
+    ) -> Any:
         """The message, with its fields set. Raises `InvalidValue` naming the field."""
-        self._fill(message, template, arguments, "")
+        self._fill(message, with_arguments(template, arguments), arguments, "")
         return message
 
     def _fill(self, message: Any, values: Any, arguments: Mapping[str, Any], path: str) -> None:

@@ -12,7 +12,7 @@ from edgevox.core.files.validation import Place, Problems
 from edgevox.core.files.yaml_file import YamlFile
 from edgevox.ros2.clients import STEERING, type_name
 from edgevox.ros2.robot_file.arguments import samples
-from edgevox.ros2.robot_file.format import BATTERY, Argument, Need, StateEntry
+from edgevox.ros2.robot_file.format import BATTERY, Argument, StateEntry
 from edgevox.ros2.robot_file.messages import (
     Filling,
     Kind,
@@ -29,7 +29,9 @@ from edgevox.ros2.robot_file.paths import FieldType, field_at
 from edgevox.ros2.robot_file.steps import (
     WAYS,
     ActionInterface,
+    Comparison,
     FieldCondition,
+    Request,
     ResultValue,
     Scalar,
     Step,
@@ -124,23 +126,23 @@ class Planner:
         with self._problems.collect():
             found = self._field_at(kind, entry.field, (*at, "field"))
             owner, value_type = found.owner, self._type_of(found.type, entry.value, (*at, "field"))
-            if at[-1] == BATTERY and not _is_number(value_type):
+            if at[-1] == BATTERY and not is_number(value_type):
                 expected = "a number, the charge from 0 to 1"
                 raise self._file.wrong((*at, "field"), entry.field, expected)
         return PlannedState(entry, kind, owner, value_type)
 
-    def check_need(self, need: Need, state: PlannedState, at: Place) -> None:
-        """Raise `InvalidValue` for a need that its state can never meet."""
+    def check_compared(self, how: Comparison, name: str, state: PlannedState, at: Place) -> None:
+        """Raise `InvalidValue` for a comparison that the state of this name can never meet."""
         if state.value_type == ANY:
             return
-        compared = need.above is not None or need.below is not None
-        if compared and not _is_number(state.value_type):
-            raise self._file.wrong(at, need.state, "a number, to be above or below something")
-        if need.equals is not None:
-            value = constant(state.owner, need.equals)
+        compared = how.above is not None or how.below is not None
+        if compared and not is_number(state.value_type):
+            raise self._file.wrong(at, name, "a number, to be above or below something")
+        if how.equals is not None:
+            value = constant(state.owner, how.equals)
             if other := _unlike(state.value_type, value):
                 expected = f"{other} ({state.value_type})"
-                raise self._file.wrong((*at, "equals"), need.equals, expected)
+                raise self._file.wrong((*at, "equals"), how.equals, expected)
 
     def _check_steering(self, planned: PlannedStep, at: Place) -> None:
         name = type_name(planned.type)
@@ -148,10 +150,10 @@ class Planner:
             expected = "no velocity: a robot is driven by navigate_to and its like, and limited"
             raise self._file.wrong((*at, "publish", "type"), name, expected)
 
-    def _check_request(self, request: Any, template: Mapping[str, Any], at: Place) -> None:
+    def _check_request(self, request: Any, template: Request, at: Place) -> None:
         self._check_named(template, at)
         if request is None and template:
-            raise self._file.wrong(at, dict(template), "nothing: what only hears has no request")
+            raise self._file.wrong(at, template, "nothing: what only hears has no request")
         if request is None or ANY in {self.results.get(one) for one in arguments_in(template)}:
             return
         for tried, values in self._samples():
@@ -189,7 +191,7 @@ class Planner:
         part = action.part_done
         paths = [part.field, *([part.of] if isinstance(part.of, str) else ())] if part else []
         for path in paths:
-            if not _is_number(self._type_at(feedback, path, (*at, "progress"))):
+            if not is_number(self._type_at(feedback, path, (*at, "progress"))):
                 expected = "a number, which says how much is done"
                 raise self._file.wrong((*at, "progress"), path, expected)
         if action.tells and not is_text(self._type_at(feedback, action.tells, (*at, "tells"))):
@@ -199,7 +201,7 @@ class Planner:
         found = self._field_at(answer, condition.field, (*at, "field"))
         type_name = found.type
         compared = condition.above is not None or condition.below is not None
-        if compared and not _is_number(type_name):
+        if compared and not is_number(type_name):
             expected = "a number, to be above or below something"
             raise self._file.wrong((*at, "field"), condition.field, expected)
         if condition.equals is None:
@@ -228,7 +230,7 @@ class Planner:
             return "uint64"
         if not value.converts:
             return type_name
-        if not _is_number(type_name):
+        if not is_number(type_name):
             raise self._file.wrong(at, value.field, "a number, to be multiplied")
         return "double" if value.decimals else "int64"
 
@@ -272,7 +274,8 @@ def _place_of(path: str) -> Place:
     return tuple(int(one) if one.isdigit() else one for one in re.findall(r"\w+", path))
 
 
-def _is_number(type_name: str) -> bool:
+def is_number(type_name: str) -> bool:
+    """Whether values of this type are numbers."""
     return is_primitive(type_name) and type_name != "boolean" and not is_text(type_name)
 
 

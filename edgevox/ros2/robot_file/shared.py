@@ -10,11 +10,19 @@ says, as in Home Assistant's sentences. `languages` has the rules of another lan
 """
 
 import re
+from collections.abc import Sequence
 
 from edgevox.agent.phrases.load import ENGLISH, phrasebook
 from edgevox.core.files.validation import Place, Problems
 from edgevox.core.files.yaml_file import YamlFile
-from edgevox.ros2.robot_file.format import Argument, RobotFile, Sentences, SkillEntry, WordList
+from edgevox.ros2.robot_file.format import (
+    Argument,
+    RobotFile,
+    Sentences,
+    SkillEntry,
+    StateEntry,
+    WordList,
+)
 
 LONGEST_SENTENCE = 10_000
 """In characters, with its rules written out."""
@@ -26,7 +34,8 @@ def with_shared(robot: RobotFile, file: YamlFile, problems: Problems) -> RobotFi
     shared = _Shared(robot, file, problems)
     shared.check_rules()
     skills = {name: shared.skill(name, one) for name, one in robot.skills.items()}
-    return robot.model_copy(update={"skills": skills})
+    states = {name: shared.state(name, one) for name, one in robot.state.items()}
+    return robot.model_copy(update={"skills": skills, "state": states})
 
 
 class _Shared:
@@ -62,6 +71,19 @@ class _Shared:
         changed = {"arguments": arguments, "sentences": said, "languages": languages}
         return entry.model_copy(update=changed)
 
+    def state(self, name: str, entry: StateEntry) -> StateEntry:
+        """The state with the rules that its conditions name."""
+        when = []
+        for index, one in enumerate(entry.when):
+            at: Place = ("state", name, "when", index)
+            said = self._written(one.sentences, ENGLISH, (*at, "sentences"))
+            languages = {
+                code: self._written(some, code, (*at, "languages", code))
+                for code, some in one.languages.items()
+            }
+            when.append(one.model_copy(update={"sentences": said, "languages": languages}))
+        return entry.model_copy(update={"when": when})
+
     def _argument(self, one: Argument, at: Place) -> Argument:
         if one.list is None:
             return one
@@ -80,11 +102,15 @@ class _Shared:
             self._problems.found.append(wrong)
 
     def _sentences(self, said: Sentences, code: str, at: Place) -> list[str]:
-        found = list(said.sentences)
+        written = self._written(said.sentences, code, (*at, "sentences"))
+        return [phrasebook(code).with_any_length(one) for one in written]
+
+    def _written(self, templates: Sequence[str], code: str, at: Place) -> list[str]:
+        """These templates with their rules written out."""
+        found = list(templates)
         for index, one in enumerate(found):
             with self._problems.collect():
-                rules = _Rules(self._robot, self._file, code, (*at, "sentences", index))
-                found[index] = phrasebook(code).with_any_length(rules.out(one))
+                found[index] = _Rules(self._robot, self._file, code, (*at, index)).out(one)
         return found
 
 

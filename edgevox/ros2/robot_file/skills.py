@@ -16,13 +16,14 @@ from edgevox.agent.text.reasons import because as agent_because
 from edgevox.core.clock import Clock
 from edgevox.core.errors import InvalidValue
 from edgevox.core.files.validation import Place, Problems
-from edgevox.core.files.yaml_file import YamlFile, value_key
+from edgevox.core.files.yaml_file import YamlFile
 from edgevox.core.languages import LANGUAGES
 from edgevox.robots.names import check_thing
 from edgevox.ros2.clients import interface_reason
 from edgevox.ros2.robot_file.arguments import (
     REASON,
     arguments_model,
+    by_value,
     check_words,
     every_language,
     every_language_at,
@@ -103,7 +104,8 @@ class DescribedSkill:
             self._check_said(results)
         except StepFailed as error:
             values = {**arguments, **error.values}
-            raise SkillFailed(failure_of(self.entry, error.reason, values)) from error
+            found = failure_of(self.entry, error.reason, values, self.constants)
+            raise SkillFailed(found) from error
         return results
 
     def _check_said(self, results: Mapping[str, Any]) -> None:
@@ -135,23 +137,8 @@ def words_of(
         says=(said.says,) if said.says else (),
         done=(said.done or phrasebook(code).say("program_done"),),
         arguments=said.argument_names,
-        words=_by_value(said.words, constants),
+        words=by_value(said.words, constants),
     )
-
-
-def _by_value(
-    words: Mapping[str, Mapping[str, str]], constants: Mapping[str, Mapping[str, Any]]
-) -> Mapping[str, Mapping[str, str]]:
-    """The words, with the values of constants instead of their names."""
-
-    def value(name: str, key: str) -> str:
-        known = constants.get(name, {})
-        return value_key(known[key]) if key in known else key
-
-    return {
-        name: {value(name, key): said for key, said in by_value.items()}
-        for name, by_value in words.items()
-    }
 
 
 @dataclass(frozen=True, slots=True)

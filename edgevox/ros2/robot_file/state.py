@@ -5,22 +5,36 @@ of such values: where one is not so, or is not known, nothing begins, and the ro
 """
 
 from collections.abc import Mapping, Sequence
+from functools import partial
 from math import isfinite
 from typing import Any
 
+from hassil.parse_expression import parse_sentence
+from hassil.parser import ParseError
 from rclpy.node import Node
+from sensor_msgs.msg import BatteryState
 
+from edgevox.agent.known import VALUE, StateCondition
+from edgevox.agent.phrases.load import ENGLISH, phrasebook
 from edgevox.agent.skills import SkillFailed
+from edgevox.agent.text.reasons import because
 from edgevox.core.cancel import CancelToken
 from edgevox.core.clock import Clock
 from edgevox.core.files.validation import Place, Problems
 from edgevox.core.files.yaml_file import YamlFile
 from edgevox.core.reason import Reason
 from edgevox.ros2.clients import THERE_S, TopicListener, interface_reason
-from edgevox.ros2.robot_file.format import BATTERY, Need, RobotFile, SkillEntry, StateEntry
+from edgevox.ros2.robot_file.format import (
+    BATTERY,
+    Condition,
+    Need,
+    RobotFile,
+    SkillEntry,
+    StateEntry,
+)
 from edgevox.ros2.robot_file.live import compares, value_of
-from edgevox.ros2.robot_file.messages import InterfaceMissing, constant
-from edgevox.ros2.robot_file.plan import ANY, PlannedState, Planner
+from edgevox.ros2.robot_file.messages import InterfaceMissing, arguments_in, constant
+from edgevox.ros2.robot_file.plan import ANY, PlannedState, Planner, is_number
 from edgevox.ros2.robot_file.steps import Step
 
 
@@ -47,13 +61,47 @@ class RobotStates:
         """Whether one of them is the charge of the robot's battery."""
         return BATTERY in self._planned
 
+    def conditions(self) -> dict[str, StateCondition]:
+        """What orders can wait for, by state and number."""
+        return {
+            f"{name} {number}": StateCondition(
+                {
+                    code: [phrasebook(code).with_any_length(said) for said in some]
+                    for code, some in {ENGLISH: one.sentences, **one.languages}.items()
+                },
+                partial(self._is_so, name, one),
+            )
+            for name, planned in self._planned.items()
+            for number, one in enumerate((*planned.entry.when, *_usual_conditions(name, planned)))
+        }
+
+    def _is_so(self, name: str, condition: Condition, said: float | None) -> bool:
+        """Whether the state is so now; false while it is not known."""
+        message = self._heard[name].newest() if name in self._heard else None
+        value = None if message is None else self._value(name, message)
+        if value is None:
+            return False
+        return compares(
+            value, condition.compared(said), constant(self._planned[name].owner, condition.equals)
+        )
+
     def battery(self) -> float:
         """The charge, from 0 to 1. Raises `SkillFailed` while it is not known."""
         message = self._heard[BATTERY].newest() if BATTERY in self._heard else None
         value = None if message is None else self._value(BATTERY, message)
         if not isinstance(value, int | float) or not isfinite(value):
+            if self._planned.get(BATTERY) is _USUAL_BATTERY:  # it may have none
+                raise SkillFailed(because("no_battery"))
             raise SkillFailed(interface_reason("unheard", what=BATTERY))
-        return min(1.0, max(0.0, float(value)))
+        charge = value / 100 if value > _MOST_CHARGE else value
+        return min(1.0, max(0.0, float(charge)))
+
+    def with_battery(self) -> "RobotStates":
+        """These, for its skills have them, with a battery's usual topic, unless one is there."""
+        if self is NO_STATES:
+            return RobotStates({BATTERY: _USUAL_BATTERY})
+        self._planned = {BATTERY: _USUAL_BATTERY, **self._planned}
+        return self
 
     def check_driving(self, token: CancelToken) -> None:
         """Raise as `check` does for what driving needs."""
@@ -91,6 +139,14 @@ class RobotStates:
         return value_of(message, self._planned[name].entry.value)
 
 
+_MOST_CHARGE = 1.5
+"""A greater number is a percentage, which some drivers publish instead of a part."""
+_USUAL_BATTERY = PlannedState(
+    StateEntry(topic="battery_state", type="sensor_msgs/msg/BatteryState", field="percentage"),
+    BatteryState,
+    BatteryState,
+    "float",
+)
 NO_STATES = RobotStates({})
 
 
@@ -105,6 +161,13 @@ def planned_states(
             planned[name] = Planner({}, file, problems).plan_state(entry, ("state", name))
         except InterfaceMissing as error:
             off[name] = str(error)
+        for number, condition in enumerate(entry.when):
+            where = ("state", name, "when", number)
+            _check_condition(condition, file, where, problems)
+            if name in planned:
+                how = condition.compared(0.0)
+                with problems.collect():
+                    Planner({}, file, problems).check_compared(how, name, planned[name], where)
     named: list[tuple[Place, Sequence[Need]]] = [(("needs",), robot.needs)]
     named += [(("skills", name, "needs"), one.needs) for name, one in robot.skills.items()]
     for place, needs in named:
@@ -115,8 +178,43 @@ def planned_states(
                     expected = "a state: one of " + (", ".join(robot.state) or "none")
                     raise file.wrong((*at, "state"), one.state, expected)
                 if one.state in planned:
-                    Planner({}, file, problems).check_need(one, planned[one.state], at)
+                    Planner({}, file, problems).check_compared(
+                        one, one.state, planned[one.state], at
+                    )
     return planned, off
+
+
+def _check_condition(one: Condition, file: YamlFile, at: Place, problems: Problems) -> None:
+    """Find sentences that are no templates."""
+    for code, some in {ENGLISH: one.sentences, **one.languages}.items():
+        place = (*at, "sentences") if code == ENGLISH else (*at, "languages", code)
+        for index, sentence in enumerate(some):
+            with problems.collect():
+                try:
+                    parse_sentence(sentence)
+                except (ParseError, ValueError) as error:
+                    raise file.wrong((*place, index), sentence, f"a template ({error})") from None
+                if arguments_in(sentence) - {VALUE}:
+                    raise file.wrong((*place, index), sentence, "no slot but {value}")
+
+
+_MORE, _LESS = "(above|over|more than|higher than)", "(below|under|less than|lower than)"
+
+
+def _usual_conditions(name: str, planned: PlannedState) -> list[Condition]:
+    """The conditions of a number, in English, unless it stands for something that has words.
+
+    EdgeVox has those of the battery by itself.
+    """
+    entry = planned.entry
+    if name == BATTERY or entry.words or entry.when or not is_number(planned.value_type):
+        return []
+    called = f"[the|your|my] {name.replace('_', ' ')} (is|gets|goes|rises|falls|drops)"
+    unit = f" [{entry.unit}]" if entry.unit else ""
+    return [
+        Condition(above="{value}", sentences=[f"{called} {_MORE} {{value}}{unit}"]),
+        Condition(below="{value}", sentences=[f"{called} {_LESS} {{value}}{unit}"]),
+    ]
 
 
 def questions(robot: RobotFile, planned: Mapping[str, PlannedState]) -> dict[str, SkillEntry]:

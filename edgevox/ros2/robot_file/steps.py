@@ -88,6 +88,13 @@ Meaning = Scalar | list[Any] | dict[str, Any]
 """What a word stands for in a request: a value, a list, or a message's fields by name."""
 
 
+Request = (
+    Mapping[str, Any]
+    | Annotated[str, Written(r"^\{[a-z][a-z0-9_]*\}$", "fields, or an argument such as {spot}")]
+)
+"""What fills a message: its fields, or a choice whose words stand for these."""
+
+
 class Part(BaseModel):
     """A mapping of the file; a key that nobody knows is refused."""
 
@@ -207,7 +214,7 @@ class Step(Part):
     action: ActionInterface | None = None
     read: Topic | None = None
     wait: Wait | None = None
-    request: Mapping[str, Any] = Field(default_factory=dict)
+    request: Request = Field(default_factory=dict)
     result: Mapping[Name, Word | ResultValue] = Field(default_factory=dict)
     expect: list[FieldCondition] = Field(default_factory=list, max_length=10)
     timeout_s: Number = Field(

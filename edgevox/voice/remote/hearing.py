@@ -55,6 +55,9 @@ class HearingServer(Protocol):
     ) -> Transcript:
         """The words in this sound at 16 kHz; none if cancelled. Raises `ServerFailed`."""
 
+    def lives(self, token: CancelToken) -> bool:
+        """Whether it answers anything within `LOOK_S`, also while it transcribes."""
+
     def close(self) -> None: ...
 
 
@@ -90,6 +93,10 @@ class OpenAiHearing:
             reply = self._asked(fields | {"response_format": "json"}, sound, until_s, token)
             self._format = "json"  # it tells no doubts
         return Transcript("") if reply is None else _heard(reply, samples, prompt)
+
+    def lives(self, token: CancelToken) -> bool:
+        """See `HearingServer.lives`."""
+        return self._server.lives(token)
 
     def close(self) -> None:
         """See `HearingServer.close`."""
@@ -142,6 +149,10 @@ class WyomingHearing:
         if token.cancelled:
             return Transcript("")
         raise Unreachable("the connection ended before the transcript")
+
+    def lives(self, token: CancelToken) -> bool:
+        """See `HearingServer.lives`."""
+        return self._server.lives(token)
 
     def close(self) -> None:
         """See `HearingServer.close`."""

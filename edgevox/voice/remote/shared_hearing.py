@@ -2,11 +2,12 @@
 
 from collections.abc import Callable
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
+from typing import Any
 
 from edgevox.core.cancel import CancelToken
 from edgevox.core.errors import EdgeVoxError
 from edgevox.core.log import get_logger
-from edgevox.core.servers.errors import ServerFailed
+from edgevox.core.servers.errors import LOOK_S, ServerFailed
 from edgevox.core.servers.health import Breaker, ServerHealth
 from edgevox.voice.audio import RATE_HZ, Samples
 from edgevox.voice.remote.hearing import HearingServer
@@ -16,6 +17,8 @@ log = get_logger(__name__)
 
 STOP_S = 2.0
 """No longer sound is a stop word alone; a shorter one is also heard on board, at once."""
+MOST_ONLY_BUSY = 2
+"""So many answers without a sign of life before tell that a server shows none while it works."""
 PATIENCE_S = 1.0
 """Seconds after which what is longer is also heard on board, in case the server does not answer."""
 
@@ -25,8 +28,9 @@ class SharedSpeechToText:
 
     A stop word that is heard on board counts at once, whatever the server does. If the server
     fails, the words on board count, and go on to count until it has answered a later utterance in
-    the background: a server that is away keeps a person waiting only once. `is_stop` tells whether
-    words stop the robot; `prompt_of` gives, by language, the sentences to expect.
+    the background: a server that is away keeps a person waiting only once. They also count where it
+    shows no sign of life, so that one that hangs costs no more than two times `LOOK_S`. `is_stop`
+    tells whether words stop the robot; `prompt_of` gives, by language, the sentences to expect.
     """
 
     def __init__(
@@ -45,12 +49,15 @@ class SharedSpeechToText:
         self._on_board = on_board
         self._prompt_of = prompt_of
         self._closing = CancelToken()
+        self._only_busy = 0
+        self._late: CancelToken | None = None
         self._trial: Future[Transcript] | None = None
-        self._threads = ThreadPoolExecutor(4, "edgevox-shared-hearing")
+        self._threads = ThreadPoolExecutor(5, "edgevox-shared-hearing")
 
     def transcribe(self, samples: Samples, language: str) -> Transcript:
         """See `SpeechToText.transcribe`."""
-        if self.health.fault and not self.on_board_fault:
+        left = self._trial is not None and not self._trial.done()
+        if (self.health.fault or left) and not self.on_board_fault:
             self._try_again(samples, language)
             self.health.fallbacks += 1
             return self._here(samples, language)
@@ -58,8 +65,9 @@ class SharedSpeechToText:
         try:
             return self._raced(samples, language, token)
         finally:
-            token.cancel("heard")
-            token.detach()
+            if token is not self._late:
+                token.cancel("heard")
+                token.detach()
 
     def warm_up(self, language: str) -> None:
         """Load what is on board; that it cannot be is no fault while the server hears."""
@@ -76,20 +84,47 @@ class SharedSpeechToText:
         self._on_board.close()
 
     def _raced(self, samples: Samples, language: str, token: CancelToken) -> Transcript:
-        short = samples.size <= STOP_S * RATE_HZ
         there = self._threads.submit(self._there, samples, language, token)
-        wait([there], 0.0 if short else PATIENCE_S)
-        if there.done() and not short:
-            return self._chosen(there, None, samples, language)
-        here = self._threads.submit(self._here, samples, language)
-        if short:
+        here: Future[Transcript] | None = None
+        if samples.size <= STOP_S * RATE_HZ:
+            here = self._threads.submit(self._here, samples, language)
             wait([here])  # a stop word counts, whatever the server makes of it
-        else:
-            wait([there, here], return_when=FIRST_COMPLETED)
-        if here.done() and not here.exception() and self.is_stop(here.result().text):
+            if self._stops(here):
+                return here.result()
+        lives = self._lives(there, token)
+        if lives and here is None:
+            wait([there], PATIENCE_S)
+        if there.done() or (lives and here is not None):
+            return self._chosen(there, here, samples, language)
+        here = here or self._threads.submit(self._here, samples, language)
+        wait([there, here], return_when=FIRST_COMPLETED)
+        if self._stops(here):
             return here.result()
-        wait([there])
+        if not lives and not there.done() and not here.exception():
+            self._trial, self._late = there, token  # what comes of it tells whether it is back
+            there.add_done_callback(self._came_late)
+            self.health.fallbacks += 1
+            return here.result()
         return self._chosen(there, here, samples, language)
+
+    def _came_late(self, there: "Future[Transcript]") -> None:
+        """Note whether a server without a sign of life was only at work."""
+        if self._late is not None:
+            self._late.detach()
+        self._only_busy += not there.cancelled() and there.exception() is None
+
+    def _stops(self, here: "Future[Transcript]") -> bool:
+        return here.done() and not here.exception() and self.is_stop(here.result().text)
+
+    def _lives(self, there: "Future[Transcript]", token: CancelToken) -> bool:
+        """Whether the server has answered, or shows a sign of life while it does not."""
+        wait([there], LOOK_S)
+        if there.done() or self._only_busy >= MOST_ONLY_BUSY:
+            return True
+        look = self._threads.submit(self._server.lives, token)
+        both: list[Future[Any]] = [there, look]
+        wait(both, LOOK_S, return_when=FIRST_COMPLETED)
+        return there.done() or (look.done() and look.result())
 
     def _chosen(
         self,

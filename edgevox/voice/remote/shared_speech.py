@@ -1,12 +1,13 @@
 """Speech with a server: its voice is the first to be tried, and those on board follow."""
 
+import threading
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import closing
 
 from edgevox.core.cancel import CancelToken
 from edgevox.core.languages import Voice
-from edgevox.core.servers.errors import ServerFailed, Unreachable
+from edgevox.core.servers.errors import LOOK_S, ServerFailed, Unreachable
 from edgevox.core.servers.health import Breaker, ServerHealth
 from edgevox.voice.audio import Chunk
 from edgevox.voice.remote.speaking import NoVoice, SpeakingServer
@@ -21,7 +22,8 @@ class SharedSpeech:
     """The voice of a server, beside those on board. Used from one thread, but for `health`.
 
     `voices` gives the voices on board that are to be used now. They speak while the server fails,
-    and until it has spoken a later phrase in the background, unheard.
+    and until it has spoken a later phrase in the background, unheard. A server that shows no sign
+    of life has failed after two times `LOOK_S`.
     """
 
     def __init__(
@@ -37,8 +39,9 @@ class SharedSpeech:
         self._voices = voices
         self._language = language
         self._unspoken: set[str] = set()
+        self._shows_life = True
         self._closing = CancelToken()
-        self._threads = ThreadPoolExecutor(1, "edgevox-shared-speech")
+        self._threads = ThreadPoolExecutor(2, "edgevox-shared-speech")
         self._trial: Future[None] | None = None
 
     def __call__(self) -> Sequence[VoiceChoice]:
@@ -64,17 +67,35 @@ class SharedSpeech:
             self._try_again(text, language)
             self.health.fallbacks += 1
             raise Unreachable(f"{self.health.server} has not answered again yet")
-        begun = False
+        heard, asked = threading.Event(), token.child()
+        look = self._threads.submit(self._look_for_life, heard, asked)
         try:
-            for chunk in self._server.speak(text, language, token):
-                if not begun:
-                    begun = True
+            for chunk in self._server.speak(text, language, asked):
+                if not heard.is_set():
+                    heard.set()
                     self.health.works()
                 yield chunk
+            if asked.cancelled and not token.cancelled:
+                raise Unreachable("no sign of life")
         except ServerFailed as error:
             self._failed(error)
             self.health.fallbacks += 1
             raise
+        finally:
+            heard.set()
+            look.cancel()
+            asked.detach()
+
+    def _look_for_life(self, heard: threading.Event, asked: CancelToken) -> None:
+        """Give up a phrase that is not heard soon, by a server that shows no sign of life."""
+        if (
+            heard.wait(LOOK_S)
+            or not self._shows_life
+            or self._server.lives(asked)
+            or heard.is_set()
+        ):
+            return
+        asked.cancel("no sign of life")
 
     def look(self, language: str) -> None:
         """Ask what the server has; a failure is noted."""
@@ -91,9 +112,11 @@ class SharedSpeech:
             self._trial = self._threads.submit(self._unheard, text, language)
 
     def _unheard(self, text: str, language: str) -> None:
+        look = self._threads.submit(self._server.lives, self._closing)
         with closing(self._server.speak(text, language, self._closing)) as chunks:
             try:
                 if next(chunks, None) is not None:
+                    self._shows_life = look.result()  # some show none while they speak
                     self.health.works()
             except ServerFailed as error:
                 self._failed(error)

@@ -45,6 +45,9 @@ class SpeakingServer(Protocol):
     def look(self, language: str, token: CancelToken) -> None:
         """Ask what it has, so that the first sentence need not. Raises `ServerFailed`."""
 
+    def lives(self, token: CancelToken) -> bool:
+        """Whether it answers anything within `LOOK_S`, also while it speaks; from any thread."""
+
     def close(self) -> None: ...
 
 
@@ -110,6 +113,10 @@ class OpenAiSpeaking:
                 self._model = "" if reply is None else first_that("tts", reply, self.address)["id"]
         if not (self._voices.get(language) or self._voices.get("")) and not token.cancelled:
             self._voices[language] = self._voice_for(language, until_s, token)
+
+    def lives(self, token: CancelToken) -> bool:
+        """See `SpeakingServer.lives`."""
+        return self._server.lives(token)
 
     def close(self) -> None:
         """See `SpeakingServer.close`."""
@@ -200,6 +207,10 @@ class WyomingSpeaking:
         if info is not None:
             self._listed.add(language)
             self._voices[language] = _described_voice(info, language, self.address)
+
+    def lives(self, token: CancelToken) -> bool:
+        """See `SpeakingServer.lives`."""
+        return self._server.lives(token)
 
     def close(self) -> None:
         """See `SpeakingServer.close`."""

@@ -17,7 +17,7 @@ from wyoming.info import Describe, Info
 
 from edgevox.core.cancel import CancelToken
 from edgevox.core.servers.address import Address
-from edgevox.core.servers.errors import OddAnswer, Unreachable, Unusable
+from edgevox.core.servers.errors import LOOK_S, OddAnswer, Unreachable, Unusable, is_alive
 from edgevox.core.servers.exchange import CONNECT_S, SILENCE_S, Exchange, Exchanges
 
 MOST_BYTES = 16 << 20
@@ -123,6 +123,10 @@ class WyomingServer:
         if token.cancelled:
             return None
         raise Unreachable("the connection ended before the server described itself")
+
+    def lives(self, token: CancelToken) -> bool:
+        """Whether it answers within `LOOK_S`."""
+        return is_alive(lambda: self.describe(time.monotonic() + LOOK_S, token))
 
     def close(self) -> None:
         """End all requests and their threads."""

@@ -137,3 +137,50 @@ def test_what_the_page_shows_is_well(tmp_path, capsys, part):
     parts = PAGE.read_text("utf-8").split("\n### ")
     (shown,) = (one for one in parts if one.partition("\n")[0].lower().replace(" ", "-") == part)
     assert checked(tmp_path, capsys, shown.split("```yaml\n")[1].split("```")[0]) == (True, [])
+
+
+STATES = """state:
+  door:
+    topic: door
+    type: std_msgs/msg/Bool
+    field: data
+    when:
+      - {equals: true, sentences: ["[the] door is (open|ajar)"]}
+      - {equals: false, sentences: ["you SAID"]}
+  warmth: {topic: temperature, type: sensor_msgs/msg/Temperature, field: temperature, unit: degrees}
+"""
+
+
+def test_what_orders_can_wait_for_is_shown(tmp_path, capsys):
+    file = written(tmp_path, STATES.replace("SAID", "shut the door"))
+    assert main([EXTERNAL, "--robot-file", str(file), "--check"]) == 0
+    waits = capsys.readouterr().out.partition("orders can wait until:\n")[2].splitlines()
+    assert waits[:3] == [
+        "  the door is open",
+        "  you shut the door",
+        "  the warmth is above {value} degrees",
+    ]
+
+
+def test_a_condition_that_would_stop_the_robot_is_told(tmp_path, capsys):
+    well, told = checked(tmp_path, capsys, STATES.replace("SAID", "stop"))
+    assert not well
+    assert told == [
+        "state.door.when: got 'you stop', expected a sentence without 'stop', which stops the robot"
+    ]
+
+
+@pytest.mark.parametrize(
+    ("condition", "told"),
+    [
+        ("above: 1", "state.door.when.1: got 'door', expected a number, to be above or below"),
+        ("equals: 3", "state.door.when.1.equals: got 3"),
+        ("equals: true, below: '{value}'", "{value} in each of the sentences"),
+        ("{}", "equals, above or below"),
+    ],
+)
+def test_a_condition_that_its_state_cannot_meet_is_refused(tmp_path, condition, told):
+    text = STATES.replace("equals: false", condition).replace("{}, ", "")
+    with pytest.raises(InvalidValue) as caught:
+        build_body(EXTERNAL, Settings(robot_file=written(tmp_path, text)), 0.0)
+    assert told in str(caught.value)

@@ -11,6 +11,7 @@ from small_disk import small_disk
 from support.clock import HeldClock
 
 from edgevox.agent.llm.language_model import LlmComponent
+from edgevox.agent.skills import SkillFailed
 from edgevox.core.bus import Bus
 from edgevox.core.events import AudioLevel, Outcome, TokenGenerated, TurnEnded, TurnMeasured
 from edgevox.core.languages import LANGUAGES
@@ -216,6 +217,10 @@ def test_the_language_model_says_who_answers(changed, level, answers):
     assert (said.level, said.values["answers"]) == (level, answers)
 
 
+def unheard():
+    raise SkillFailed("I hear nothing of battery.")
+
+
 def robot(clock=None, **changed):
     at_rest = {"real_time_factor": 0.0, "pace": None, "breaks": 0, "stalled_s": 0.0, "fault": ""}
     return SimComponent(SimpleNamespace(name="robot-apartment", **{**at_rest, **changed}), clock)
@@ -233,6 +238,7 @@ def robot(clock=None, **changed):
         ({"stalled_s": float("inf")}, Level.ERROR),
         ({"breaks": 1}, Level.ERROR),
         ({"battery": lambda: 0.1}, Level.WARN),
+        ({"battery": unheard}, Level.OK),
         ({"battery": lambda: 0.0}, Level.ERROR),
         ({"fault": "nothing is heard on /odom"}, Level.ERROR),
     ],

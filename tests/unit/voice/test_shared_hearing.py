@@ -12,7 +12,7 @@ from waiting import wait_until
 from edgevox.core.cancel import CancelToken
 from edgevox.core.errors import EdgeVoxError
 from edgevox.core.servers.address import Address
-from edgevox.core.servers.errors import ServerBusy, Unreachable
+from edgevox.core.servers.errors import LOOK_S, ServerBusy, Unreachable
 from edgevox.core.servers.health import FIRST_REST_S, Breaker
 from edgevox.voice.audio import RATE_HZ, Samples
 from edgevox.voice.remote.shared_hearing import STOP_S, SharedSpeechToText
@@ -29,11 +29,15 @@ class Server:
 
     def __init__(self, does: Callable[[CancelToken], Transcript]) -> None:
         self.does = does
+        self.alive = True
         self.asked: list[tuple[int, str, str]] = []
 
     def transcribe(self, samples: Samples, language: str, prompt: str, token: CancelToken):
         self.asked.append((samples.size, language, prompt))
         return self.does(token)
+
+    def lives(self, token: CancelToken) -> bool:
+        return self.alive
 
     def close(self) -> None: ...
 
@@ -113,6 +117,49 @@ def test_a_stop_word_does_not_wait_for_a_server_that_hangs(rig, sound: Samples) 
     one = rig(hangs, "stop")
     assert one.transcribe(sound, "en").text == "stop"
     assert not one.health.fault
+
+
+@pytest.mark.parametrize("sound", [SHORT, LONG], ids=["short", "long"])
+def test_nobody_waits_for_a_server_that_hangs_and_its_late_answer_tells_that_it_is_back(
+    rig, sound: Samples
+) -> None:
+    may_answer = threading.Event()
+
+    def hangs_at_first(_: CancelToken) -> Transcript:
+        assert may_answer.wait(HUNG_S)
+        return Transcript("from afar")
+
+    one = rig(hangs_at_first)
+    one.server.alive = False
+    assert [one.transcribe(sound, "en").text for _ in range(3)] == ["on board"] * 3
+    assert len(one.server.asked) == 1
+    assert one.health.fallbacks == 3
+    may_answer.set()
+    wait_until(lambda: one.transcribe(sound, "en").text == "from afar")
+
+
+def test_a_server_that_shows_no_life_while_it_hears_is_waited_for_once_that_is_known(rig) -> None:
+    def slowly(token: CancelToken) -> Transcript:
+        token.wait(3 * LOOK_S)
+        return Transcript("from afar")
+
+    one = rig(slowly)
+    one.server.alive = False
+    wait_until(lambda: one.transcribe(LONG, "en").text == "from afar")
+    assert one.transcribe(LONG, "en").text == "from afar"
+
+
+@pytest.mark.parametrize("sound", [SHORT, LONG], ids=["short", "long"])
+def test_a_server_that_is_slow_and_alive_has_the_words(rig, sound: Samples) -> None:
+    may_answer = threading.Event()
+
+    def slowly(_: CancelToken) -> Transcript:
+        assert may_answer.wait(HUNG_S)
+        return Transcript("from afar")
+
+    one = rig(slowly)
+    threading.Timer(2 * LOOK_S, may_answer.set).start()
+    assert one.transcribe(sound, "en").text == "from afar"
 
 
 @pytest.mark.parametrize("sound", [SHORT, LONG], ids=["short", "long"])

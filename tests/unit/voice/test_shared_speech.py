@@ -12,7 +12,7 @@ from waiting import wait_until
 from edgevox.core.cancel import CancelToken
 from edgevox.core.languages import Voice
 from edgevox.core.servers.address import Address
-from edgevox.core.servers.errors import ServerFailed, Unreachable
+from edgevox.core.servers.errors import LOOK_S, ServerFailed, Unreachable
 from edgevox.core.servers.health import FIRST_REST_S, Breaker
 from edgevox.voice.audio import Chunk
 from edgevox.voice.remote.shared_speech import SharedSpeech
@@ -31,6 +31,7 @@ class Server:
         self.fails_at: int | None = None
         self.error: ServerFailed = Unreachable("refused")
         self.said: list[tuple[str, str]] = []
+        self.alive = True
         self.may_speak = threading.Event()
         self.may_speak.set()
 
@@ -44,6 +45,9 @@ class Server:
     def look(self, language: str, token: CancelToken) -> None:
         if self.fails_at == len(self.said):
             raise self.error
+
+    def lives(self, token: CancelToken) -> bool:
+        return self.alive
 
     def close(self) -> None: ...
 
@@ -136,6 +140,33 @@ def test_nobody_waits_for_a_server_that_failed_last_to_be_tried_again(rig: Rig) 
     wait_until(lambda: not rig.shared.health.fault)
     assert rig.say("Hello.") == [24_000]
     assert len(rig.server.said) == 2
+
+
+def test_nobody_waits_for_a_server_that_hangs(rig: Rig) -> None:
+    def hangs(text: str, language: str, token: CancelToken) -> Iterator[Chunk]:
+        token.wait(HUNG_S)
+        yield from ()
+
+    rig.server.speak, rig.server.alive = hangs, False
+    assert rig.say("Hello.") == [16_000]
+    assert "no sign of life" in rig.shared.health.fault
+
+
+def test_a_server_that_shows_no_life_while_it_speaks_is_waited_for_once_that_is_known(
+    rig: Rig,
+) -> None:
+    speaks = rig.server.speak
+
+    def slowly(text: str, language: str, token: CancelToken) -> Iterator[Chunk]:
+        if not token.wait(3 * LOOK_S):
+            yield from speaks(text, language, token)
+
+    rig.server.speak, rig.server.alive = slowly, False
+    assert rig.say("Hello.") == [16_000]
+    rig.clock.advance(FIRST_REST_S)
+    assert rig.say("Hello.") == [16_000]  # and the server is asked in the background
+    wait_until(lambda: not rig.shared.health.fault)
+    assert rig.say("Hello.") == [24_000]
 
 
 def test_a_language_that_the_server_has_no_voice_for_is_spoken_on_board(rig: Rig) -> None:

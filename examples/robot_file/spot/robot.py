@@ -2,13 +2,11 @@
 
 from geometry_msgs.msg import Twist
 from nav_msgs.msg import Odometry
-from rclpy.qos import DurabilityPolicy, QoSProfile
 from spot_msgs.msg import BatteryState, BatteryStateArray, DockState, Feedback, PowerState
 from spot_msgs.srv import Dock, ListAllDances, SetStandHeight
-from stand_in import PERIOD_S, StandIn, main, plain
+from stand_in import LATCHED, PERIOD_S, StandIn, main, plain
 from std_srvs.srv import Trigger
 
-LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 DANCES = {"learn": ["twerk", "heart"], "forget": []}
 
 

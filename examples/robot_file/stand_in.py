@@ -21,6 +21,8 @@ from std_msgs.msg import String
 
 PERIOD_S = 0.1
 PAUSE_S = 0.05
+LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+"""Of a topic whose last message is kept for whoever comes later."""
 THREADS = 8
 
 
@@ -40,7 +42,7 @@ class StandIn(Node):
     def say(self) -> None:
         """Publish its state; called again and again."""
 
-    def change(self, change: str) -> bool:
+    def change(self, change: str) -> bool:  # noqa: ARG002 - it has nothing to change
         """Change something of one's own; whether this was such a change."""
         return False
 

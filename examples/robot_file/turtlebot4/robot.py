@@ -17,7 +17,7 @@ class Base(StandIn):
 
     def __init__(self, namespace: str) -> None:
         super().__init__(namespace)
-        self.x, self.y, self.docked = 0.0, 0.0, False
+        self.x, self.y, self.docked = 0.0, 0.0, True
         self.percentage = 0.874
         self.odom = self.create_publisher(Odometry, "odom", 10)
         self.battery = self.create_publisher(BatteryState, "battery_state", 10)
