@@ -1,11 +1,12 @@
 """How far an action of a robot file is, told by a field of its feedback that the file names."""
 
 import json
+from pathlib import Path
 
 import phrases
 import pytest
 from action_rig import Client
-from example_rig import HERE, example
+from example_rig import example
 from peer import Peer
 from waiting import wait_until
 
@@ -14,7 +15,7 @@ pytestmark = pytest.mark.long
 
 @pytest.fixture(scope="module")
 def sweeper(domain, overlays):
-    file = HERE / "sweeper.yaml"
+    file = Path(__file__).with_name("sweeper.yaml")
     with example("sweeper", "sweeper_msgs", domain=domain, cache=overlays, file=file) as one:
         yield one
 
