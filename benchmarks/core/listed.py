@@ -91,7 +91,6 @@ BENCHMARKS: Mapping[str, Benchmark] = {
     "people": Benchmark(
         "benchmarks.hearing.people",
         "orders, a wake word and other words by real people; needs their recordings",
-        "measure",
     ),
     "robots": Benchmark("benchmarks.robots.bodies", "every body beside its simulator alone"),
     "overhead": Benchmark("benchmarks.agent.overhead", "what logs, metrics and diagnostics cost"),
