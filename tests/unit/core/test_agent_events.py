@@ -113,7 +113,8 @@ EVENTS = (
         ),
         (
             '{"kind": "confirmation", "status": "asked", "question": "Shall I?", '
-            '"calls": [{"skill": "drive", "arguments": {"far": 2}}], "expires_s": 20.0, "turn": 3}'
+            '"calls": [{"skill": "drive", "arguments": {"far": 2}}], "expires_s": 20.0, "turn": 3, '
+            '"goes": false}'
         ),
     ),
 )
