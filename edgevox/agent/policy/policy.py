@@ -217,9 +217,9 @@ class Policy:
             return ALLOWED
         rule = self.file.rule(way, skill)
         if rule is Rule.DENY:
-            known = way is Way.VOICE_GUEST and self.file.rule(Way.VOICE, skill) is not rule
-            code = "policy_guest" if known else "policy_denied"
-            return Verdict(rule, because(code, way=way, skill=skill))
+            if way is Way.VOICE_GUEST and self.file.rule(Way.VOICE, skill) is not rule:
+                return Verdict(rule, because("policy_guest", way=way, skill=skill))
+            return Verdict(rule, because("policy_denied", way=way, skill=skill))
         if moves:
             limits = self.file.limits
             reason = limits.closed(now or local_time()) or limits.against(
