@@ -272,7 +272,7 @@ class Interpreter:
             )
             if near is None or self._objects(agent, {text, near.heard.text}, near.words):
                 continue
-            heard = near.heard.confidence >= HEARD_FROM
+            heard = max(near.heard.confidence, turn.hearing) >= HEARD_FROM
             # Words that were heard well are what was said, unless they are hardly more than a name.
             if near.likely or not heard or (near.alone and not self.is_held_back(text)):
                 sure = near.sure and not near.alone

@@ -273,7 +273,7 @@ def rates(**nats):
     return rate
 
 
-def hardly(text, share=1.0, confidence=0.7):
+def hardly(text, share=1.0, confidence=0.85):
     return Hypothesis(text, share, confidence)
 
 
@@ -303,18 +303,37 @@ def test_what_the_sound_is_far_more_like_is_no_command():
     assert near.nearest([hardly("Go to the bid.")], rates(bed=-30, bid=-1)) is None
 
 
+FAR = "room behind the old workshop of the northern wing"
+
+
 def test_words_that_were_heard_well_are_asked_about_at_most():
-    near = near_commands(skills(rooms=("bad", "bed")))
-    found = near.nearest([hardly("Go to the bid.", confidence=0.95)], rates(bed=-2, bid=-1))
+    near = near_commands(skills(rooms=(f"bad {FAR}", f"bed {FAR}")))
+    rate = rates(bed=-2, bid=-1)
+    found = near.nearest([hardly(f"Go to the bid {FAR}.", confidence=0.95)], rate)
 
     assert found.likely
     assert not found.sure
+    assert near.nearest([hardly(f"Go to the bid {FAR}.")], rate).sure
 
 
-def test_words_that_were_hardly_heard_are_asked_about_at_most():
+def test_a_few_words_that_were_heard_well_are_no_others():
     near = near_commands(skills(rooms=("bad", "bed")))
 
-    assert not near.nearest([hardly("Go to the bid.", confidence=0.3)], rates(bed=-2, bid=-1)).sure
+    first, other = hardly("Go to the bid.", 0.9, 0.95), hardly("Go to the bed.", 0.1)
+
+    assert not near.nearest([first], rates(bed=-2, bid=-1)).likely
+    assert not near.nearest([first, other], rates(bed=-2, bid=-1)).likely
+
+
+@pytest.mark.parametrize(
+    ("place", "confidence", "sure"),
+    [("", 0.85, True), ("", 0.7, False), (f" {FAR}", 0.7, True), (f" {FAR}", 0.4, False)],
+)
+def test_words_that_were_hardly_heard_must_be_many(place, confidence, sure):
+    near = near_commands(skills(rooms=(f"bad{place}", f"bed{place}")))
+    heard_so = hardly(f"Go to the bid{place}.", confidence=confidence)
+
+    assert near.nearest([heard_so], rates(bed=-2, bid=-1)).sure is sure
 
 
 def test_a_word_that_the_robot_knows_is_no_other_one():

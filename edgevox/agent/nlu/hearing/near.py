@@ -11,6 +11,8 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
+import numpy as np
+
 from edgevox.agent.nlu.hearing.network import Network, Path, Sentences
 from edgevox.agent.nlu.hearing.sounds import Phonemes, Sounds, SpanTable, sounds_of
 from edgevox.agent.nlu.hearing.wordings import bare_name
@@ -83,14 +85,19 @@ many; one that has so much of their probability is clear. Chosen as above."""
 _WORDINGS, _MOST_FREE = 2, 4
 """How many wordings of each of them are rated, and how many hypotheses beside them."""
 _SURE_WORDS = 0.9
-"""Words that are at least so sure are what was said, however likely a command is."""
+"""Words that are at least so sure are what was said: a command that has others is asked about at
+most, and one of few words is not."""
 _FARTHER, _FARTHEST = 4.0, 12.0
 """For each word of a command that was not heard and for all of them, in nats: by how much less
 likely than what was heard a clear one may be. "A maricano" is no word that anybody expects."""
 _FARTHEST_ASKED = 20.0
 """The same of one that is worth a question."""
-_RATED_NEAR, _HARDLY_HEARD = 0.2, 0.5
-"""A clear one differs in at most so many of the sounds from words that are at least so sure."""
+_RATED_NEAR = 0.2
+"""Share of the sounds that may differ from a clear one."""
+_FEW_WORDS, _MANY_WORDS = 3, 8
+_HARDLY_HEARD = (HEARD_FROM, 0.5)
+"""How sure what was heard must be for a clear one of so few words, and for one of so many: each
+word speaks for it."""
 _MOST_CHARACTERS = 200
 """Number of characters from which on a sentence is no plain command."""
 
@@ -237,15 +244,20 @@ class NearCommands:
         farther = free - likelihoods[first]
         if farther > _FARTHEST_ASKED:
             return None
+        words, confidence = len(self._spoken(best.path.words)), best.heard.confidence
+        swaps_sure_words = several[0].confidence >= _SURE_WORDS and (
+            swapped > 0 or best.heard is not several[0]
+        )
         likely = (
             1.0 / (1.0 + rest) >= _RATED_CLEAR
             and farther <= min(_FARTHER * max(1, swapped), _FARTHEST)
             and best.path.distance <= _RATED_NEAR
+            and not (swaps_sure_words and words < _MANY_WORDS)
         )
         sure = (
             likely
-            and best.heard.confidence >= _HARDLY_HEARD
-            and not (swapped and best.heard.confidence >= _SURE_WORDS)
+            and confidence >= float(np.interp(words, (_FEW_WORDS, _MANY_WORDS), _HARDLY_HEARD))
+            and not swaps_sure_words
             and not self._swaps_a_known_word(best.heard.text, best.path)
         )
         return best, likely, sure
