@@ -88,6 +88,10 @@ BENCHMARKS: Mapping[str, Benchmark] = {
     "wake_words": Benchmark(
         "benchmarks.hearing.wake_words", "both engines of wake words: misses, false alarms, cost"
     ),
+    "people": Benchmark(
+        "benchmarks.hearing.people",
+        "orders, a wake word and other words by real people; needs their recordings",
+    ),
     "robots": Benchmark("benchmarks.robots.bodies", "every body beside its simulator alone"),
     "overhead": Benchmark("benchmarks.agent.overhead", "what logs, metrics and diagnostics cost"),
     "console": Benchmark(

@@ -16,7 +16,12 @@ from edgevox.agent.llm.prompt import History, size_tokens
 from edgevox.agent.nlu.abilities import abilities, cannot_do, not_understood
 from edgevox.agent.nlu.decider import Decider, Decision, Readings
 from edgevox.agent.nlu.disfluencies import fluent
-from edgevox.agent.nlu.hearing.hypotheses import is_contested, is_same, likeliest
+from edgevox.agent.nlu.hearing.hypotheses import (
+    breaks_off,
+    is_contested,
+    is_same,
+    likeliest,
+)
 from edgevox.agent.nlu.hearing.near import NearCommands
 from edgevox.agent.nlu.hearing.sounds import Phonemes
 from edgevox.agent.nlu.meaning import ASK_FROM, HEARD_FROM, Meaning
@@ -233,6 +238,8 @@ class Interpreter:
 
     def as_heard(self, meaning: Meaning, text: str, turn: Turn) -> Meaning:
         """The meaning of a text, unsure if it was hardly heard or another order is as likely."""
+        if breaks_off(meaning, text, turn.others, self.plain):
+            return meaning.heard(0.0)
         contested = is_contested(meaning, turn.others, self.plain)
         if (contested or turn.hearing < HEARD_FROM) and self._is_rated_best(meaning, text, turn):
             return meaning

@@ -10,7 +10,7 @@ from support.body import FakeBody
 from support.conversation import LETTERS
 
 from edgevox.agent.agents import Agent
-from edgevox.agent.nlu.hearing.hypotheses import is_contested
+from edgevox.agent.nlu.hearing.hypotheses import breaks_off, is_contested
 from edgevox.agent.nlu.hearing.near import NearCommands, NearStop
 from edgevox.agent.nlu.hearing.network import Network, Sentences
 from edgevox.agent.nlu.hearing.prompt import MOST_CHARACTERS, HearingPrompts
@@ -40,6 +40,22 @@ def test_what_is_left_out_and_what_it_is_then_contest_nothing():
     same = Meaning(walker, (Call("walk_forward", {}),), "template")
     assert not is_contested(one_metre, [instead], lambda _: same)
     assert is_contested(far, [instead], lambda _: same)
+
+
+def test_words_that_break_off_where_others_go_on_may_be_half_of_what_was_said():
+    walker = Agent("walker", "", skills())
+    there = Meaning(walker, (Call("navigate_to", {"room": "kitchen"}),), "template")
+    plain = {"Go to the kitchen, please.": there}.get
+    said = "Go to the kitchen,"
+
+    assert breaks_off(there, said, [Hypothesis("Go to the kitchen, was sugar.", 0.3, 0.6)], plain)
+    for other, share in (
+        ("Go to the kitchen, please.", 0.3),
+        ("Go to the kitchen.", 0.3),
+        ("Go to the chicken with sugar.", 0.3),
+        ("Go to the kitchen, was sugar.", 0.05),
+    ):
+        assert not breaks_off(there, said, [Hypothesis(other, share, 0.6)], plain)
 
 
 def heard(text, share=1.0):

@@ -10,6 +10,7 @@ from typing import Any
 
 from edgevox.agent.nlu.meaning import ASK_FROM, HEARD_FROM, Meaning
 from edgevox.agent.skills import Call
+from edgevox.agent.text.spelling import key
 from edgevox.core.commands import Hypothesis
 
 LEAST_SHARE = 0.2
@@ -46,6 +47,21 @@ def is_contested(meaning: Meaning, others: Sequence[Hypothesis], plain: Plain) -
     found = _commands(others, plain)
     heard = 1.0 - sum(one.share for one in others)
     return _has_rival(meaning, heard + _share(meaning, found), found)
+
+
+def breaks_off(meaning: Meaning, text: str, others: Sequence[Hypothesis], plain: Plain) -> bool:
+    """True if other hypotheses that are likely begin with these words and go on to say more.
+
+    "Get me a cappuccino," may be all that could be told of "Get me a cappuccino with sugar". What
+    means the same is no more.
+    """
+    words, share = key(text).split(), 0.0
+    for one in others:
+        more = key(one.text).split()
+        if len(more) > len(words) and more[: len(words)] == words:
+            told = plain(one.text)
+            share += 0.0 if isinstance(told, Meaning) and is_same(told, meaning) else one.share
+    return share > RIVAL * (1.0 - sum(one.share for one in others))
 
 
 def _commands(others: Sequence[Hypothesis], plain: Plain) -> list[_Told]:
