@@ -56,6 +56,7 @@ def test_words_that_break_off_where_others_go_on_may_be_half_of_what_was_said():
         ("Go to the kitchen, was sugar.", 0.05),
     ):
         assert not breaks_off(there, said, [Hypothesis(other, share, 0.6)], plain)
+        assert not breaks_off(there, "", [Hypothesis(other, share, 0.6)], plain)
 
 
 def heard(text, share=1.0):

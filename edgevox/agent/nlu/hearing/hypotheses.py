@@ -58,7 +58,7 @@ def breaks_off(meaning: Meaning, text: str, others: Sequence[Hypothesis], plain:
     words, share = key(text).split(), 0.0
     for one in others:
         more = key(one.text).split()
-        if len(more) > len(words) and more[: len(words)] == words:
+        if len(more) > len(words) > 0 and more[: len(words)] == words:
             told = plain(one.text)
             share += 0.0 if isinstance(told, Meaning) and is_same(told, meaning) else one.share
     return share > RIVAL * (1.0 - sum(one.share for one in others))
