@@ -185,7 +185,8 @@ def test_stop_works_from_the_first_picture_on(browser: Browser, robot: Robot) ->
     held: list[Route] = []
     page.route("**/main.js", lambda route: held.append(route))  # noqa: PLW0108 - no builtin there
     page.goto(robot.url, wait_until="domcontentloaded")
-    page.wait_for_function("performance.getEntriesByName('first-contentful-paint').length")
+    painted = "performance.getEntriesByName('first-contentful-paint').length"
+    until(page, lambda: page.evaluate(painted))
     page.locator("button.stop").click()
     until(page, lambda: robot.commands("stop"))
     until(page, lambda: held)

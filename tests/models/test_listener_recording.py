@@ -5,6 +5,7 @@ from types import SimpleNamespace
 from listener_rig import loud, says_espeak, silence
 from support.recordings import write_wav
 
+from edgevox.agent.policy import Guard
 from edgevox.apps.agent.voice import build_listener
 from edgevox.core.bus import Bus
 from edgevox.core.commands import Heard
@@ -35,8 +36,9 @@ def test_a_quiet_voice_is_heard_while_the_robot_speaks_loudly(tmp_path):
         SimpleNamespace(language="en", muted=False),
         submit=said.append,
         is_stop=lambda _: False,
-        follow_up=SimpleNamespace(awaits=lambda *_: False),
+        follow_up=SimpleNamespace(awaits=lambda *_: False, begins=lambda *_: None),
         ending=lambda _: Ending.OPEN,
+        guard=Guard(),
     )
     listener.start()
     assert listener.wait_over()

@@ -56,7 +56,7 @@ def test_the_action_remembers_a_place_that_a_new_process_finds(agent, peer, tmp_
     result_of(client, "navigate_to", room="kitchen")
     there = result_of(client, "navigate_to", room="charger")
     assert math.dist((there["x"], there["y"]), (told["x"], told["y"])) < 0.3
-    robot.send("text_input", "forget the charger")
+    robot.send("text_input", "forget the place charger")
     response.wait_for(lambda m: m == phrases.done("forget_place", room="charger"))
     assert not client.send("navigate_to", room="charger").accepted
 
