@@ -116,6 +116,7 @@ def test_a_robot_hears_and_speaks_by_servers(
         "tts_endpoint_voice": VOICE,
     }
     answers = tmp_path / "answers.wav"
+    monkeypatch.setattr("edgevox.voice.remote.wyoming.LOOK_S", LONGEST_S)  # however busy they are
     with VoiceRig(monkeypatch, answers, robot="robot-apartment", **endpoints) as rig:
         rig.room.play(spoken("go to the kitchen"))
         rig.wait_for(GoalChanged, lambda one: one.status == "succeeded")
