@@ -28,6 +28,7 @@ NEEDS = {
     "an installed ROS 2",
     "another machine",
     "jq",
+    "people's recordings",
     "people's sentences",
 }
 OF_EXAMPLES = {"robot-shuttle", "robot-watchman"}
