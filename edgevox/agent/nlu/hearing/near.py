@@ -79,7 +79,7 @@ no other order was done."""
 _UNLIKELY = 0.05
 """Distance that a hypothesis adds which is e times less likely than the first one."""
 _LEAST_SHARE = 1e-3
-_RATED_LEAD, _MOST_RATED, _RATED_CLEAR = 0.06, 6, 0.9
+_RATED_LEAD, _MOST_RATED, _RATED_CLEAR = 0.06, 4, 0.9
 """Commands that are so much farther than the nearest one are rated by the sound as well, at most so
 many; one that has so much of their probability is clear. Chosen as above."""
 _WORDINGS, _MOST_FREE = 2, 4
@@ -162,6 +162,8 @@ class NearCommands:
         self._articles = frozenset(book.hearing.articles)
         self._words: object = None
         self._network = Network((), {}, self._sounds)
+        self._last: tuple[object, NearCommand | None] | None = None
+        """What was asked last, for the same turn asks twice, and the answer."""
 
     def nearest(
         self, several: Sequence[Hypothesis], rate: Rate | None = None
@@ -173,6 +175,12 @@ class NearCommands:
         if not self._book.hearing.spaced:
             return None
         self._learn()
+        asked, last = (tuple(several), rate), self._last
+        if last is None or last[0] != asked:
+            self._last = last = (asked, self._nearest(several, rate))
+        return last[1]
+
+    def _nearest(self, several: Sequence[Hypothesis], rate: Rate | None) -> NearCommand | None:
         most = max(one.share for one in several)
         lead = _RATED_LEAD if rate else _LEAD
         near = [(one, self._sentences_like(one.text, lead)) for one in several]
@@ -344,7 +352,7 @@ class NearCommands:
         words = self._skills.words()
         if words == self._words:
             return
-        self._words = words
+        self._words, self._last = words, None
         several = [
             sentences
             for one in self._skills.values()
