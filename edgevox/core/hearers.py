@@ -23,13 +23,12 @@ from dataclasses import dataclass, field, replace
 from difflib import SequenceMatcher
 from typing import Annotated
 
-from pydantic import ConfigDict, Field, TypeAdapter, ValidationError
+from pydantic import ConfigDict, Field, TypeAdapter
 from pydantic.dataclasses import dataclass as checked
 
 from edgevox.core.clock import Clock, SystemClock
 from edgevox.core.commands import Heard
-from edgevox.core.errors import InvalidValue
-from edgevox.core.files.validation import dotted, explain
+from edgevox.core.files.validation import read_message
 
 BEAT_S = 0.04
 """Seconds between two claims while an utterance is undecided."""
@@ -38,7 +37,8 @@ IDLE_BEATS = 25
 SETTLE_BEATS = 5
 """Beats from a robot's claim to its decision: more than a message needs, there and back."""
 HELD_UP_S = 3 * BEAT_S
-"""After so long without a message of its own, a robot was held up, and settles anew."""
+"""A robot that receives none of its own messages for so long was held up. It then waits
+`SETTLE_BEATS` again before it decides."""
 GONE_BEATS = 6
 """Beats after which a robot whose claims have ceased decides nothing more."""
 NAME_BEATS = 6
@@ -123,12 +123,7 @@ _CLAIM = TypeAdapter(Claim)
 
 def read_claim(text: str) -> Claim:
     """Read a claim from JSON. Raises `InvalidValue`."""
-    if len(text) > MAX_CHARACTERS:
-        raise InvalidValue("hearers", f"{len(text)} characters", f"at most {MAX_CHARACTERS}")
-    try:
-        return _CLAIM.validate_json(text)
-    except ValidationError as error:
-        raise explain(error, lambda place: dotted(("hearers", *place))) from None
+    return read_message(_CLAIM, text, "hearers", MAX_CHARACTERS)
 
 
 @dataclass(frozen=True, slots=True)

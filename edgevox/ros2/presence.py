@@ -26,14 +26,14 @@ from collections import Counter
 from dataclasses import asdict, dataclass, replace
 from typing import Annotated
 
-from pydantic import ConfigDict, Field, TypeAdapter, ValidationError
+from pydantic import ConfigDict, Field, TypeAdapter
 from pydantic.dataclasses import dataclass as checked
 from rclpy.node import Node
 from std_msgs.msg import String
 
 from edgevox.agent.text.reasons import because
 from edgevox.core.errors import InvalidValue, Refusal
-from edgevox.core.files.validation import dotted, explain
+from edgevox.core.files.validation import read_message
 from edgevox.core.hearers import BEAT_S, MOST_ROBOTS, MOST_UTTERANCES, Hearers
 from edgevox.core.log import get_logger
 from edgevox.core.motion.interlock import Holder, Interlock
@@ -100,12 +100,7 @@ def write_claim(told: ClaimMessage) -> str:
 
 def read_claim(text: str) -> Claim:
     """Read a claim from JSON. Raises `InvalidValue`."""
-    if len(text) > MAX_BYTES:
-        raise InvalidValue("presence", f"{len(text)} characters", f"at most {MAX_BYTES}")
-    try:
-        return _CLAIM.validate_json(text)
-    except ValidationError as error:
-        raise explain(error, lambda place: dotted(("presence", *place))) from None
+    return read_message(_CLAIM, text, "presence", MAX_BYTES)
 
 
 GONE_BEATS = 4

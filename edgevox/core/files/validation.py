@@ -4,12 +4,14 @@ import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from types import MappingProxyType
+from typing import TypeVar
 
-from pydantic import ValidationError
+from pydantic import TypeAdapter, ValidationError
 from pydantic_core import ErrorDetails, InitErrorDetails, PydanticCustomError
 
 from edgevox.core.errors import InvalidFile, InvalidValue
 
+T = TypeVar("T")
 Place = tuple[str | int, ...]
 """The way to a value inside others: keys of mappings, indices of lists."""
 
@@ -32,6 +34,16 @@ def explain(
     `other` maps pydantic's error types to expectations that replace those of this module.
     """
     return explain_all(error, name, other)[0]
+
+
+def read_message(kind: TypeAdapter[T], text: str, name: str, most: int) -> T:
+    """Read JSON of at most so many characters. Raises `InvalidValue` for a field of `name`."""
+    if len(text) > most:
+        raise InvalidValue(name, f"{len(text)} characters", f"at most {most}")
+    try:
+        return kind.validate_json(text)
+    except ValidationError as error:
+        raise explain(error, lambda place: dotted((name, *place))) from None
 
 
 def explain_all(
