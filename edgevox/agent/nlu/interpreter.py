@@ -16,12 +16,7 @@ from edgevox.agent.llm.prompt import History, size_tokens
 from edgevox.agent.nlu.abilities import abilities, cannot_do, not_understood
 from edgevox.agent.nlu.decider import Decider, Decision, Readings
 from edgevox.agent.nlu.disfluencies import fluent
-from edgevox.agent.nlu.hearing.hypotheses import (
-    breaks_off,
-    is_contested,
-    is_same,
-    likeliest,
-)
+from edgevox.agent.nlu.hearing.hypotheses import breaks_off, is_contested, is_same, likeliest
 from edgevox.agent.nlu.hearing.near import NearCommands
 from edgevox.agent.nlu.hearing.sounds import Phonemes
 from edgevox.agent.nlu.meaning import ASK_FROM, HEARD_FROM, Meaning

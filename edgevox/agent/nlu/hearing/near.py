@@ -100,8 +100,6 @@ _HARDLY_HEARD = (HEARD_FROM, 0.5)
 word speaks for it."""
 _MOST_CHARACTERS = 200
 """Number of characters from which on a sentence is no plain command."""
-
-
 _WORD = re.compile(r"[^\s\-,.;:!?\u2026\u00bf\u00a1\"]+")
 
 
@@ -185,10 +183,11 @@ class NearCommands:
         lead = _RATED_LEAD if rate else _LEAD
         near = [(one, self._sentences_like(one.text, lead)) for one in several]
         found = [
-            _Candidate(path.distance + _UNLIKELY * math.log(most / share), path, one)
+            _Candidate(
+                path.distance + _UNLIKELY * math.log(most / max(one.share, _LEAST_SHARE)), path, one
+            )
             for one, paths in near
             for path in paths
-            for share in (max(one.share, _LEAST_SHARE),)
         ]
         if not found:
             return None
@@ -230,17 +229,18 @@ class NearCommands:
     ) -> tuple[_Candidate, bool, bool] | None:
         """The candidate that the sound is most like; whether it is likely, and whether it is sure.
 
-        What is rated is what was heard, with words of the command in place of what was not. None if
-        the sound is far more like the words that were heard.
+        Each candidate is rated as what was heard, with only the words that differ replaced by the
+        command's. None if the sound is far more like the words that were heard.
         """
         wordings: dict[object, list[_Candidate]] = {}
         for one in found:
             if one.cost <= found[0].cost + _RATED_LEAD:
                 wordings.setdefault(one.meaning, []).append(one)
         rated = [one for same in [*wordings.values()][:_MOST_RATED] for one in same[:_WORDINGS]]
-        corrected = [self._corrected(one.heard.text, one.path.words) for one in rated]
+        differences = [self._differences(one.heard.text, one.path.words) for one in rated]
+        corrected = map(_corrected, (one.heard.text for one in rated), differences)
         heard = [one.text for one in several[:_MOST_FREE]]
-        likelihoods = rate([*(text for text, _ in corrected), *heard])
+        likelihoods = rate([*corrected, *heard])
         free = max(likelihoods[len(rated) :])
         of: dict[object, int] = {}
         for at, one in enumerate(rated):
@@ -248,7 +248,8 @@ class NearCommands:
                 of[one.meaning] = at
         first, *others = sorted(of.values(), key=lambda at: likelihoods[at], reverse=True)
         rest = sum(math.exp(likelihoods[at] - likelihoods[first]) for at in others)
-        best, (_, swapped) = rated[first], corrected[first]
+        best = rated[first]
+        swapped = sum(max(len(one.words), len(one.said)) for one in differences[first])
         farther = free - likelihoods[first]
         if farther > _FARTHEST_ASKED:
             return None
@@ -266,32 +267,24 @@ class NearCommands:
             likely
             and confidence >= float(np.interp(words, (_FEW_WORDS, _MANY_WORDS), _HARDLY_HEARD))
             and not swaps_sure_words
-            and not self._swaps_a_known_word(best.heard.text, best.path)
+            and not self._swaps_a_known_word(differences[first], best.path)
         )
         return best, likely, sure
-
-    def _corrected(self, heard: str, sentence: str) -> tuple[str, int]:
-        """What was heard with words of the sentence in place of others; how many were replaced."""
-        text, replaced = heard, 0
-        for one in reversed(self._differences(heard, sentence)):
-            replaced += max(len(one.words), len(one.said))
-            text = f"{text[: one.begins]} {' '.join(one.said)} {text[one.ends :]}"
-        text = " ".join(re.sub(r"\s+([-,.;:!?])", r"\1", text).split())
-        return text[:1].upper() + text[1:], replaced
 
     def _swaps_a_word(self, heard: str, path: Path) -> bool:
         """True if words that were heard sound unlike what the sentence has in their place.
 
         "Bring the mug to the bedroom" sounds much like "bring me to the bedroom", as a whole.
         """
-        for one in self._differences(heard, path.words):
+        differences = self._differences(heard, path.words)
+        for one in differences:
             if one.words:
                 table = SpanTable([self._sounds(" ".join(one.said))])
                 if table.distances(self._sounds(" ".join(one.words)))[0] > _WORD_CLEAR:
                     return True
-        return self._swaps_a_known_word(heard, path)
+        return self._swaps_a_known_word(differences, path)
 
-    def _swaps_a_known_word(self, heard: str, path: Path) -> bool:
+    def _swaps_a_known_word(self, differences: Sequence[_Difference], path: Path) -> bool:
         """True if the sentence has another word for one that the robot knows, or more of a value.
 
         A medium roast is not iced, and a mocha is no iced mocha.
@@ -300,7 +293,7 @@ class NearCommands:
         return any(
             not self._network.words.isdisjoint(map(key, one.words))
             or (not one.words and not values.isdisjoint(map(key, one.said)))
-            for one in self._differences(heard, path.words)
+            for one in differences
         )
 
     def _differences(self, heard: str, sentence: str) -> list[_Difference]:
@@ -374,3 +367,12 @@ class NearCommands:
         """The sounds of a text without articles, which are hardly spoken."""
         words = " ".join(self._spoken(text))
         return sounds_of(self._phonemes(words, self._book.code)) if words else ()
+
+
+def _corrected(heard: str, differences: Sequence[_Difference]) -> str:
+    """What was heard, with the words of a sentence in place of those that differ."""
+    text = heard
+    for one in reversed(differences):
+        text = f"{text[: one.begins]} {' '.join(one.said)} {text[one.ends :]}"
+    text = " ".join(re.sub(r"\s+([-,.;:!?])", r"\1", text).split())
+    return text[:1].upper() + text[1:]
