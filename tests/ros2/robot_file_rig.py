@@ -6,6 +6,7 @@ from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
+import pytest
 from external_rig import robot_process
 from guards import HUNG_S
 from peer import STATE, Peer
@@ -19,6 +20,7 @@ from edgevox.ros2.external import EXTERNAL
 
 ROBOT_FILE = Path(__file__).with_name("interface_robot.yaml")
 NAMESPACE = "/robot1"
+AGAIN_S = 5.0
 
 
 def interfaces(domain: int, *arguments: str):
@@ -61,9 +63,14 @@ class Asked:
         return sum(json.loads(one)[0] == what for one in self.heard.messages[self._since :])
 
     def do(self, change: str) -> None:
+        """Change it. One that has just started may not know us yet: what we sent is lost then."""
         since = len(self.heard.messages)
-        self._peer.send("do", change)
-        self.wait("do", change, since=since)
+        for _ in range(int(HUNG_S / AGAIN_S)):
+            self._peer.send("do", change)
+            with contextlib.suppress(AssertionError):
+                self.heard.wait_for(lambda one: json.loads(one) == ["do", change], AGAIN_S, since)
+                return
+        pytest.fail(f"the robot does not {change}")
 
 
 def _has(found: object, wanted: object) -> bool:
