@@ -49,6 +49,15 @@ def test_words_that_a_stop_made_void_say_so_unless_they_were_heard_before_it(
     expect(dropped.locator(".mine")).to_have_text(["go to the office"])
 
 
+def test_words_that_another_robot_answers_say_which_one(opens: Opens, robot: Robot) -> None:
+    page = opens()
+    heard(robot, 0, "hello")
+    heard(robot, 0, "Rosie, go to the kitchen")
+    robot.tell(type="event", kind="utterance_left", robot="Rosie")
+    expect(page.locator(".turn .notes:visible")).to_have_count(1)
+    expect(page.locator(".turn").last.locator(".notes")).to_contain_text("Rosie")
+
+
 def test_a_stop_word_drops_what_waits_too(opens: Opens, robot: Robot) -> None:
     page = opens()
     type_in(page, "go to the kitchen")

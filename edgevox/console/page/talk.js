@@ -129,6 +129,8 @@ export function talkPanel(store, link, speech) {
   });
   store.on("talk", (message) => change(() => tellTurn(store, turnOf, message)));
   store.on("event", (event) => change(() => noteEvent(store, turns.get(event.turn), event)));
+  store.on("event", (event) => event.kind === "utterance_left" && change(() =>
+    [...turns.values()].at(-1)?.note(say("said_left", { robot: isolated(event.robot) }))));
   store.on("event", (event) => event.kind === "safety_preempt" && drop());
   store.on("stop", ({ engaged }) => engaged && drop());
   store.on("hello", ({ talk = [] }) => {
