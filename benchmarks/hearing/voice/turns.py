@@ -126,7 +126,9 @@ class Talk:
         if self.model:
             self.model.prime([], CancelToken())
         self._pool, self._people = VoicePool(), itertools.cycle(PEOPLE)
-        self._voice = VoicePool().get(present_voices(self.parts.controls)()[0])
+        controls = self.parts.controls
+        on_board = present_voices(lambda: (controls.language, controls.voice))
+        self._voice = VoicePool().get(on_board()[0])
 
     def _listen(self) -> None:
         self.measured, self.speaking = threading.Event(), threading.Event()
@@ -154,12 +156,12 @@ class Talk:
             self.asked.append(samples)
             return transcribe(samples, language)
 
-        def taken(command: Any) -> None:
+        def taken(command: Any, *given: Any) -> None:
             if isinstance(command, Transcribing):
                 self.over_s = CLOCK.now()
             if isinstance(command, Heard):
                 self.ended_s = command.ended_s
-            submit(command)
+            submit(command, *given)
 
         self.voice.stt.transcribe = noted
         self.parts.conversation.submit = taken
