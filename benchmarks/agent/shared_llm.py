@@ -30,7 +30,7 @@ from benchmarks import ROOT
 from benchmarks.agent.language_model import QUESTIONS
 from benchmarks.core.figures import Figure, Measured, NotHere
 from edgevox.agent.llm.grammar import grammar
-from edgevox.agent.llm.remote.remote_model import Offer, chat_request
+from edgevox.agent.llm.remote_model import Offer, chat_request
 from edgevox.agent.nlu.interpreter import Interpreter
 from edgevox.agent.skills import NO_SKILLS
 from edgevox.apps.robots import build_agents

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from edgevox.agent.agents import Agent
-from edgevox.agent.nlu.encoder.packed_file import Floats
+from edgevox.agent.nlu.encoder import Floats
 from edgevox.agent.nlu.orders import Program, calls_of
 from edgevox.agent.skills import Call
 

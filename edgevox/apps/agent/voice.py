@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Literal
 
 from edgevox.agent.conversation import Conversation
 from edgevox.agent.nlu.hearing.endings import Endings
-from edgevox.agent.nlu.hearing.prompt import HearingPrompts
+from edgevox.agent.nlu.hearing.wordings import HearingPrompts
 from edgevox.agent.phrases.load import phrasebook
 from edgevox.agent.policy import Guard
 from edgevox.agent.skills import Skill, SkillSet

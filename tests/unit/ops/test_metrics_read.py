@@ -7,7 +7,7 @@ from types import SimpleNamespace
 import pytest
 from prometheus_client.parser import text_string_to_metric_families
 
-from edgevox.agent.llm.remote import FallbackModel
+from edgevox.agent.llm.remote_model import FallbackModel
 from edgevox.agent.policy import Denied, Guard
 from edgevox.agent.text.reasons import because
 from edgevox.apps import metrics
