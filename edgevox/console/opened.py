@@ -10,8 +10,8 @@ from ipaddress import ip_address
 from pathlib import Path
 
 from edgevox.console.certificates import is_private_address, own_addresses
-from edgevox.core.files.json_reader import read_json_object
 from edgevox.core.files.state_files import StateFiles, write_atomically
+from edgevox.core.files.validation import read_json_object
 
 
 @dataclass(frozen=True, slots=True)

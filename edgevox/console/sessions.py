@@ -21,8 +21,8 @@ from enum import StrEnum
 from pathlib import Path
 
 from edgevox.core.commands import Way
-from edgevox.core.files.json_reader import is_number, read_json_object
 from edgevox.core.files.state_files import StateFiles, write_atomically
+from edgevox.core.files.validation import is_number, read_json_object
 from edgevox.core.log import get_logger
 
 log = get_logger(__name__)

@@ -24,9 +24,8 @@ from edgevox.robots.capabilities import (
     Report,
 )
 from edgevox.robots.limits import Bounds
-from edgevox.robots.places.memory import PlaceMemory
+from edgevox.robots.places.memory import Place, PlaceMemory
 from edgevox.robots.places.skills import located, place_skills
-from edgevox.robots.places.store import Place
 from edgevox.robots.relative_skills import where
 from edgevox.robots.world.fields import LARGEST
 

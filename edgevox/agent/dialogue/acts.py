@@ -18,8 +18,8 @@ from edgevox.agent.phrases.numbers import digits, is_exact
 from edgevox.agent.phrases.phrasebook import AnswerWords, Phrasebook
 from edgevox.agent.skills import Call, OneOf, Skill
 from edgevox.agent.text.spelling import NUMBER, is_same_name, key, separated, unpunctuated
-from edgevox.core.files.json_reader import is_number
 from edgevox.core.files.text import one_form
+from edgevox.core.files.validation import is_number
 
 MAX_TOKENS = 32
 """Number of tokens from which on a text is no answer."""

@@ -25,7 +25,7 @@ from edgevox.core.agent_events import (
 from edgevox.core.bus import Bus
 from edgevox.core.clock import Clock
 from edgevox.core.events import Cause, Interrupted, Transcribed
-from edgevox.core.files.json_reader import is_number
+from edgevox.core.files.validation import is_number
 from edgevox.core.transforms import Pose2D
 
 CORRECTED_S = 20.0

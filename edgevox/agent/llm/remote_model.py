@@ -22,7 +22,7 @@ from edgevox.agent.llm.language_model import (
 )
 from edgevox.core.cancel import CancelToken
 from edgevox.core.errors import InvalidValue
-from edgevox.core.files.json_reader import read_json
+from edgevox.core.files.validation import read_json
 from edgevox.core.servers.address import Address, first_that, listed
 from edgevox.core.servers.errors import RequestRefused, ServerBusy, ServerFailed, Unreachable
 from edgevox.core.servers.health import Breaker, ServerHealth

@@ -31,8 +31,8 @@ from edgevox.agent.text.words import (
     word_of,
     worded,
 )
-from edgevox.core.files.json_reader import is_number
 from edgevox.core.files.text import one_form
+from edgevox.core.files.validation import is_number
 from edgevox.core.files.yaml_file import value_key
 from edgevox.core.reason import Named, Reason
 

@@ -7,8 +7,7 @@ from pathlib import Path
 from aiohttp import web
 
 from edgevox.apps.console_command import shown_code
-from edgevox.apps.fleet.robots_file import load_fleet
-from edgevox.apps.fleet.watch import FleetWatch
+from edgevox.apps.fleet.watch import FleetWatch, load_fleet
 from edgevox.apps.folders import console_folder
 from edgevox.apps.run_program import ShutdownSignals
 from edgevox.apps.streams import show

@@ -18,7 +18,7 @@ from wyoming.event import Event
 
 from edgevox.core.cancel import CancelToken
 from edgevox.core.errors import InvalidValue
-from edgevox.core.files.json_reader import read_json
+from edgevox.core.files.validation import read_json
 from edgevox.core.servers.address import Address, first_that
 from edgevox.core.servers.errors import OddAnswer, RequestRefused, Unreachable, Unusable
 from edgevox.core.servers.http import HttpServer

@@ -15,8 +15,8 @@ from edgevox.core.servers.address import Address, first_that
 from edgevox.core.servers.errors import OddAnswer, RequestRefused, Unreachable, Unusable
 from edgevox.core.servers.http import HttpServer
 from edgevox.voice.audio import Chunk, Samples
-from edgevox.voice.remote.wav_stream import PcmStream, WavStream
 from edgevox.voice.remote.wyoming import SCHEMES, WyomingServer, answers, deadline, read_as
+from edgevox.voice.wav import PcmStream, WavStream
 
 MOST_BYTES = 32 << 20
 MOST_SOUND_S = 120.0

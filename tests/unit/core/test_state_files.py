@@ -22,8 +22,7 @@ from edgevox.core.transforms import Pose2D
 from edgevox.models.manifest import ModelFile
 from edgevox.models.store import STAMPS, forget, is_whole
 from edgevox.robots.flat.apartment import ApartmentRobot
-from edgevox.robots.places.memory import PlaceMemory
-from edgevox.robots.places.store import MOST_PLACES, PlaceStore
+from edgevox.robots.places.memory import MOST_PLACES, PlaceMemory, PlaceStore
 from edgevox.robots.sim_loop import SimComponent
 
 NAMES = ("localhost", "127.0.0.1")
