@@ -63,8 +63,8 @@ def _serve_fleet(robots: Path, port: int, settings: Settings) -> bool:
 
 
 def _pair(arguments: argparse.Namespace, settings: Settings, folder: Path) -> bool:
+    from edgevox.console.certificates import console_url
     from edgevox.console.sessions import Pairing, Role
-    from edgevox.console.tls import console_url
 
     role = Role.VIEWER if arguments.viewer else Role.OPERATOR
     if arguments.phone:

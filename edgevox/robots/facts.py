@@ -16,7 +16,6 @@ from edgevox.agent.known import Known, WayLeft, about_s, no_place
 from edgevox.agent.skills import Call, GoalHandle, OneOf, Result, Skill, SkillFailed, skill
 from edgevox.agent.skills.skill import TO_POINT
 from edgevox.core.transforms import Pose2D
-from edgevox.robots.battery import charge_of
 from edgevox.robots.capabilities import (
     Body,
     HasBattery,
@@ -24,6 +23,7 @@ from edgevox.robots.capabilities import (
     HasLidar,
     HasPlaces,
     HasPose,
+    KnowsPowerDraw,
     LidarScan,
     MeasuresWays,
     RemembersPlaces,
@@ -32,6 +32,7 @@ from edgevox.robots.capabilities import (
     TellsFacts,
     TellsMotions,
     TellsStalls,
+    charge_of,
 )
 from edgevox.robots.pictures import has_camera, no_camera
 
@@ -69,6 +70,24 @@ def known_of(body: Body) -> Known:
         battery=(lambda: _charge(body)) if isinstance(body, HasBattery) else None,
         conditions=body.conditions if isinstance(body, TellsConditions) else {},
     )
+
+
+def battery_skill(body: HasBattery) -> Skill:
+    """Make the skill that tells the charge.
+
+    Its sentence is `[skills.battery] done` of `core/languages/*.toml`, by `Phrasebook.report`.
+    """
+
+    @skill(moves=False)
+    def battery(goal: GoalHandle) -> Result:
+        """Say how full the battery is."""
+        goal.token.check()
+        charge = body.battery()
+        result = {"charge": round(charge, 4), "percent": round(100 * charge)}
+        lasts_s = body.battery_lasts_s() if isinstance(body, KnowsPowerDraw) else math.inf
+        return {**result, "lasts_s": round(lasts_s)} if math.isfinite(lasts_s) else result
+
+    return battery
 
 
 def _charge(body: Body) -> float | None:

@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from edgevox.agent.agents import Agent
-from edgevox.agent.nlu.orders import Program
+from edgevox.agent.nlu.meaning import Program
 from edgevox.agent.skills import STOP, Call, Skill, SkillFailed
 from edgevox.core.agent_events import (
     GOAL_ENDS,

@@ -15,8 +15,7 @@ from edgevox.agent.dialogue.references import References
 from edgevox.agent.known import NOTHING_KNOWN, Known, about_s
 from edgevox.agent.nlu.abilities import abilities
 from edgevox.agent.nlu.interpreter import BACK
-from edgevox.agent.nlu.meaning import ASK_FROM, Meaning
-from edgevox.agent.nlu.orders import Again, Do, Program, calls_of, replaced
+from edgevox.agent.nlu.meaning import ASK_FROM, Again, Do, Meaning, Program, calls_of, replaced
 from edgevox.agent.phrases.phrasebook import Phrasebook, detail
 from edgevox.agent.skills import (
     Call,

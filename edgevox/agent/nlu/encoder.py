@@ -1,4 +1,4 @@
-"""The sentence encoder, a small multilingual network in numpy.
+"""The sentence encoder, a small multilingual network in numpy, and the head that judges by it.
 
 The network is multilingual-e5-small, a BERT; `Packed` reads its weights. Its last layers tell
 what a text is about. How a text is meant (asked, told, wished, denied) is clearest some layers
@@ -10,18 +10,23 @@ the parts that a sentence needs are ever in memory.
 `Pieces` is its tokenizer, which finds the likeliest pieces of a sentence by a unigram model. It is
 our own, because the vocabulary is inside the packed file, and the libraries for such vocabularies
 read only files of their own formats.
+
+`Head` is the trained head that gives a reading its confidence by the features of its sentence.
 """
 
 import math
 import struct
 from collections.abc import Mapping
 from dataclasses import dataclass
+from importlib.resources import files
+from io import BytesIO
 from pathlib import Path
 from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
+from edgevox.agent.nlu.meaning import ASK_FROM, SURE_FROM
 from edgevox.core.errors import InvalidValue
 
 Floats = NDArray[np.float32]
@@ -345,3 +350,60 @@ def _gelu(values: Floats) -> Floats:
         series = t * (np.float32(factor) + series)
     error = np.copysign(1 - series * np.exp(-scaled * scaled), values)
     return np.asarray(values * np.float32(0.5) * (1 + error), np.float32)
+
+
+HEAD_FILE = "head.npz"
+"""Name of the head's file, made by `training/decision/train.py`."""
+
+
+@dataclass(frozen=True, slots=True)
+class Head:
+    """Two logistic regressions: one tells orders from other sentences, one judges a reading."""
+
+    order_weights: Floats
+    """Weights of the encoder's features, shape (size,)."""
+    order_bias: float
+    """Bias of the first regression."""
+    names: tuple[str, ...]
+    """Names of the evidence, in the order of `weights`."""
+    weights: Floats
+    """Weights of the evidence, and last that of the first regression's logit."""
+    bias: float
+    """Bias of the second regression."""
+    ask: float
+    """Likelihood from which on to ask."""
+    sure: float
+    """Likelihood from which on to act."""
+
+    def order(self, features: Floats) -> float:
+        """Logit of a sentence to be an order to the hearer."""
+        return float(features @ self.order_weights + self.order_bias)
+
+    def likelihood(self, order: float, evidence: Mapping[str, float]) -> float:
+        """Likelihood of a reading to be meant, from 0 to 1."""
+        values = np.array([*(float(evidence[name]) for name in self.names), order])
+        return float(1 / (1 + np.exp(-(values @ self.weights + self.bias))))
+
+    def confidence(self, likelihood: float) -> float:
+        """The likelihood on the scale on which `ASK_FROM` asks and `SURE_FROM` acts."""
+        known = (0.0, self.ask, self.sure, 1.0)
+        return float(np.interp(likelihood, known, (0.0, ASK_FROM, SURE_FROM, 1.0)))
+
+
+def read_head() -> Head:
+    """The head that this package brings."""
+    with np.load(BytesIO(files(__package__).joinpath(HEAD_FILE).read_bytes())) as data:
+        return head_of(data)
+
+
+def head_of(data: Mapping[str, Any]) -> Head:
+    """A head from the arrays of its file."""
+    return Head(
+        order_weights=np.asarray(data["order_weights"], np.float32),
+        order_bias=float(data["order_bias"]),
+        names=tuple(str(name) for name in data["names"]),
+        weights=np.asarray(data["weights"], np.float32),
+        bias=float(data["bias"]),
+        ask=float(data["ask"]),
+        sure=float(data["sure"]),
+    )

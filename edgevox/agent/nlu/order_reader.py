@@ -24,7 +24,7 @@ from hassil.expression import (
 from hassil.parse_expression import parse_sentence
 
 from edgevox.agent.known import VALUE, StateCondition
-from edgevox.agent.nlu.orders import (
+from edgevox.agent.nlu.meaning import (
     After,
     Again,
     Arrived,

@@ -11,9 +11,8 @@ from small_disk import small_disk
 
 from edgevox.agent.skills import SkillFailed
 from edgevox.agent.skills.skill import OneOf
-from edgevox.console.certificates import own_tls
+from edgevox.console.certificates import CurrentTls, own_tls
 from edgevox.console.sessions import Pairing, Role, Sessions
-from edgevox.console.tls import CurrentTls
 from edgevox.core.errors import InvalidValue
 from edgevox.core.files.state_files import StateFiles, write_atomically
 from edgevox.core.files.user_file import LARGEST_TEXT_BYTES
