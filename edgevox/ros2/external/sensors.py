@@ -111,7 +111,6 @@ LOWEST_M, HIGHEST_M = 0.1, 2.0
 """Heights over the robot's base between which a point stands in its way."""
 FURTHEST_M = 100.0
 BEAMS = 360
-MOST_BYTES = 1 << 26
 _AXES = ("x", "y", "z")
 _FORMATS: Mapping[int, str] = MappingProxyType({PointField.FLOAT32: "f4", PointField.FLOAT64: "f8"})
 
