@@ -97,7 +97,7 @@ def _pair_phone(arguments: argparse.Namespace, settings: Settings, folder: Path)
 
 
 def _close(_arguments: argparse.Namespace, _settings: Settings, folder: Path) -> bool:
-    from edgevox.console.opened import Opened
+    from edgevox.console.sessions import Opened
 
     show("Closed to the network." if Opened(folder).close() else "It was not opened.")
     return True

@@ -43,7 +43,8 @@ from edgevox.agent.nlu.meaning import (
 from edgevox.agent.nlu.templates import MAX_CHARACTERS, RefusedCommand
 from edgevox.agent.phrases.load import ENGLISH, phrasebook
 from edgevox.agent.phrases.numbers import digits, is_exact
-from edgevox.agent.phrases.phrasebook import Phrasebook, ProgramPhrases
+from edgevox.agent.phrases.phrasebook import Phrasebook
+from edgevox.agent.phrases.tables import ProgramPhrases
 from edgevox.agent.skills import Call
 from edgevox.agent.text.spelling import folded, separated
 from edgevox.core.files.text import one_form
