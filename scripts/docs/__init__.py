@@ -11,7 +11,6 @@ from docs import bodies, bounds, operating, ros2, talking, weights
 TABLES: Mapping[str, Callable[[], str]] = {
     make.__name__: make
     for make in (
-        bodies.protocols,
         bounds.bounds,
         operating.alerts,
         operating.checks,
