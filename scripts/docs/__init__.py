@@ -36,7 +36,6 @@ TABLES: Mapping[str, Callable[[], str]] = {
         ros2.subscribed,
         talking.endings,
         talking.languages,
-        talking.states,
         talking.turn,
         talking.wake_words,
         weights.not_commercial,
