@@ -174,7 +174,7 @@ PUBLISHED: tuple[Published, ...] = (
         Qos.STATE,
         StateChanged,
         _state,
-        "listening, transcribing, thinking, speaking or interrupted; a robot that drives is listening",
+        "listening (also while it drives), transcribing, thinking, speaking or interrupted",
     ),
     Published(
         "audio_level",

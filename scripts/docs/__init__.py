@@ -37,7 +37,7 @@ TABLES: Mapping[str, Callable[[], str]] = {
     )
 } | {
     f"{make.__name__}_{robot}": partial(make, robot)
-    for make in (bodies.skills, bodies.state, bodies.topics)
+    for make in (bodies.skills, bodies.state)
     for robot in bodies.TOLD[make.__name__]
 }
 """By the name that stands where each belongs on a page; those of a robot end in its name."""

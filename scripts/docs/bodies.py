@@ -6,7 +6,7 @@ from docs.markdown import code, table
 from docs.told import TOLD, told
 from edgevox.agent.skills import SkillSet
 from edgevox.agent.skills.skill import OneOf
-from edgevox.robots.navigation import LOCATION, navigation_skills
+from edgevox.robots.navigation import navigation_skills
 from edgevox.robots.panda.skills import manipulation_skills
 from edgevox.robots.places.memory import PlaceMemory
 from edgevox.robots.relative_skills import driving_skills, walking_skills
@@ -44,14 +44,8 @@ SKILLS: Mapping[str, SkillSet] = {
     ),
     "panda": SkillSet(manipulation_skills(Elsewhere())),
     "humanoid": SkillSet(walking_skills(Elsewhere())),
-    "external": SkillSet(
-        [
-            *navigation_skills(Apartment(), word=LOCATION, memory=PlaceMemory("external", ROOMS)),
-            *driving_skills(Elsewhere()),
-        ]
-    ),
 }
-"""The skills of each robot, without the robot."""
+"""The skills of each robot, without the robot; robot-irsim and robot-external have the first."""
 
 
 def skills(robot: str) -> str:
@@ -69,11 +63,8 @@ def skills(robot: str) -> str:
 
 
 def state(robot: str) -> str:
-    """The keys of `robot_state`; a test holds them against each body."""
+    """The keys of `robot_state`, and the standard topics; a test holds them against each body."""
     rows = ((code(keys.split(", ")), what) for keys, what in TOLD["state"][robot].items())
-    return table(("`robot_state`", "what"), rows)
-
-
-def topics(robot: str) -> str:
-    """The standard topics of a body; a test holds them against each."""
-    return f"On ROS 2: {code(TOLD['topics'][robot])}.\n"
+    topics = TOLD["topics"].get(robot)
+    told = f"\nOn ROS 2: {code(topics)}.\n" if topics else ""
+    return table(("`robot_state`", "what"), rows) + told
