@@ -19,7 +19,6 @@ TABLES: Mapping[str, Callable[[], str]] = {
         operating.environment,
         operating.logs,
         operating.metrics,
-        operating.more_environment,
         ros2.action,
         ros2.agent_events,
         ros2.audio,
