@@ -56,24 +56,30 @@ PARTS = (
 PAUSES_S = (0.3, 0.5, 0.65, 0.8)
 
 
+@dataclass(frozen=True, slots=True)
+class Utterance:
+    """Its first and last voice, and when it was over, in seconds; infinity if it has no end."""
+
+    began_s: float
+    ended_s: float
+    over_s: float
+    words: str
+    """What was understood of it at its last pause."""
+
+
 @dataclass
 class Heard:
-    """The utterances of a sound: the seconds of silence before each was over, and how often one
-    that was over went on.
-    """
+    """The utterances of a sound, and how often one that was over went on."""
 
-    silences_s: list[float] = field(default_factory=list)
+    utterances: list[Utterance] = field(default_factory=list)
     taken_back: int = 0
-
-    @property
-    def utterances(self) -> int:
-        return len(self.silences_s) - self.taken_back
 
 
 def listen(sound: Samples, whisper: Whisper, ending: Callable[[str], Ending] | None) -> Heard:
     """What the endpointer makes of it; with `ending`, by the words as the listener would."""
     vad, endpointer, found = open_vad(), Endpointer(), Heard()
     known: tuple[float, Ending, float] | None = None
+    words = ""
     for frame in frames(sound):
         if known and frame.end_s >= known[2] and endpointer.paused_at == known[0]:
             plain = known[1] in (Ending.WHOLE, Ending.MAY_GO_ON)
@@ -82,23 +88,24 @@ def listen(sound: Samples, whisper: Whisper, ending: Callable[[str], Ending] | N
         match endpointer.push(frame, vad.probability(frame.samples)):
             case SpeechPaused(samples=samples, ended_s=ended_s) if ending:
                 endpointer.end_after(ENDS_AFTER_S[Ending.OPEN])
-                known = ended_s, ending(whisper.transcribe(samples, "en").text), frame.end_s + STT_S
-            case SpeechEnded(ended_s=ended_s):
-                found.silences_s.append(frame.end_s - ended_s)
+                words = whisper.transcribe(samples, "en").text
+                known = ended_s, ending(words), frame.end_s + STT_S
+            case SpeechEnded(began_s=began_s, ended_s=ended_s):
+                found.utterances.append(Utterance(began_s, ended_s, frame.end_s, words))
             case SpeechWentOn():
+                found.utterances.pop()
                 found.taken_back += 1
+    if last := endpointer.finish():
+        found.utterances.append(Utterance(last.began_s, last.ended_s, np.inf, words))
     return found
 
 
 def measure(quick: bool = False) -> Measured:
     """Both ways: a fixed silence, and the words."""
-    whisper = Whisper(
-        lambda _: locate("whisper-tiny.en"),
-        prompt_of=lambda code: phrasebook(code).hearing.written,
-    )
+    whisper = recogniser()
     voices = (*native_voices(Half.HELD_OUT), *espeak_voices(Half.HELD_OUT)[::17])
     voices = voices[:: 5 if quick else 1]
-    ways = {"a fixed silence": None, "by its words": _endings().of}
+    ways = {"a fixed silence": None, "by its words": endings().of}
     return Measured(
         figures=tuple(
             figure
@@ -113,10 +120,10 @@ def _figures(
 ) -> Iterator[Figure]:
     key = "words" if ending else "silence"
     waits = [
-        wait
+        last.over_s - last.ended_s
         for voice in voices
         for text in COMMANDS
-        for wait in listen(_padded(say(voice, text)), whisper, ending).silences_s[-1:]
+        for last in listen(_padded(say(voice, text)), whisper, ending).utterances[-1:]
     ]
     said = [1000 * max(wait, STT_S + 0.2) for wait in waits]
     yield Figure.of(f"command.{key}", TABLE, name, said, "ms", column="command to its words")
@@ -127,7 +134,7 @@ def _figures(
         for pause_s in PAUSES_S
     ]
     yield Figure.share(
-        f"cut.{key}", TABLE, name, sum(one.utterances > 1 for one in heard), len(heard),
+        f"cut.{key}", TABLE, name, sum(len(one.utterances) > 1 for one in heard), len(heard),
         column="sentences cut at a pause", wanted=1.0 if ending else None,
     )  # fmt: skip
     yield Figure.share(
@@ -148,7 +155,16 @@ def _quiet(seconds: float) -> Samples:
     return rng.normal(0, 10, round(seconds * RATE_HZ)).astype(np.int16)
 
 
-def _endings() -> Endings:
+def recogniser() -> Whisper:
+    """English speech to text, with the words of the phrasebook as its prompt."""
+    return Whisper(
+        lambda _: locate("whisper-tiny.en"),
+        prompt_of=lambda code: phrasebook(code).hearing.written,
+    )
+
+
+def endings() -> Endings:
+    """How words of an English order to `robot-apartment` end."""
     agent = Agent("robot", "", skills_of_robots()["robot-apartment"])
     interpreter = Interpreter([agent], Bus(), SystemClock())
     return Endings(
