@@ -10,8 +10,6 @@ from benchmarks.core.listed import BENCHMARKS
 from benchmarks.core.results import Results, Run
 
 Cell = Callable[[Figure, Run], str]
-NOTES = 3
-"""How many notes of a kind a page shows."""
 
 
 def table(heads: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
@@ -92,15 +90,11 @@ COLUMNS: tuple[tuple[str, Cell], ...] = (
 
 
 def of_benchmark(name: str, results: Results) -> str:
-    """All that a benchmark found: how, when, its tables, the first of its notes."""
+    """All figures that a benchmark found, how and when; of its notes only how many there are."""
     run = results.run(name)
     parts = [docstring(name).replace("\n\n", "\n", 1), when(run), "", *_tables(run)]
-    for heading, lines in run.notes.items():
-        if lines:
-            more = len(lines) - NOTES
-            parts += [f"{heading}:", "", *(f"- {line}" for line in lines[:NOTES])]
-            parts += [f"- and {more} more in `benchmarks/results.json`"] if more > 0 else []
-            parts.append("")
+    if notes := "; ".join(f"{head} ({len(lines)})" for head, lines in run.notes.items() if lines):
+        parts.append(f"`benchmarks/results.json` has notes: {notes}.")
     return "\n".join(parts).rstrip() + "\n"
 
 
