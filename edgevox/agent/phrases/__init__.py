@@ -1,1 +1,1 @@
-"""Sentences said and heard in each language, which `core/languages/*.toml` has, and a robot's names."""
+"""Sentences said and heard in each language (`core/languages/*.toml`), and names of robots."""
