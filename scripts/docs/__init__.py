@@ -18,7 +18,6 @@ TABLES: Mapping[str, Callable[[], str]] = {
         operating.environment,
         operating.logs,
         operating.metrics,
-        operating.more_environment,
         ros2.agent_events,
         ros2.external,
         ros2.interop,
