@@ -115,6 +115,10 @@ BENCHMARKS: Mapping[str, Benchmark] = {
         "benchmarks.agent.people_words",
         "what people said to robots in their own words; needs their sentences",
     ),
+    "home_sentences": Benchmark(
+        "benchmarks.agent.home_sentences",
+        "what people say to a house must not move a robot; needs Home Assistant's sentences",
+    ),
     "questions": Benchmark(
         "benchmarks.agent.questions",
         "questions to three robots about themselves and their world, answered rightly",

@@ -62,6 +62,10 @@ class Robot:
         self._whisper = Whisper(lambda _: self._path, prompt_of=lambda _: prompt)
         self._bus, self._clock = Bus(), SystemClock()
 
+    def speak(self, language: str) -> None:
+        """Be talked to in another language."""
+        self._interpreter.set_language(language)
+
     def hear(self, sound: Samples) -> list[Transcript]:
         """The words of each utterance in a sound, and how sure they are."""
         return [said for one in utterances(sound) if (said := self.hear_out(one)).text]
