@@ -369,7 +369,7 @@ class Conversation:
 
         The bus carries a `GoalRejected` for a refusal; nothing else happens.
         """
-        self._executor.check(Call(name, arguments), self._skills, way, mark=mark)
+        self._executor.check_begin(Call(name, arguments), self._skills, way, mark)
 
     def start_goal(
         self,

@@ -25,7 +25,7 @@ from edgevox.core.transforms import MAP, Pose2D
 from edgevox.robots.battery import battery_skill
 from edgevox.robots.capabilities import HasBattery, OccupancyMap, Report, SpeedLimit, Twist2D
 from edgevox.robots.limits import Bounds
-from edgevox.robots.navigation import LOCATION, navigation_skills
+from edgevox.robots.navigation import LOCATION, TURN_TOWARDS, navigation_skills
 from edgevox.robots.places.memory import PlaceMemory
 from edgevox.robots.relative_motion import Course, StraightCourse, TurnCourse
 from edgevox.robots.relative_skills import driving_skills, where
@@ -122,11 +122,17 @@ class ExternalRobot:
             # Before ours: its owner's sentences count first, unless they take any words.
             *(one for one in its if not one.free_text),
             *(
-                replace(one, function=self._stop_and_see) if one.name == STOP else one
+                replace(one, function=self._stop_and_see)
+                if one.name == STOP
+                else self._looking_ahead(one, turns=one.name == TURN_TOWARDS)
                 for one in own
             ),
             *(one for one in its if one.free_text),
-            *(one for one in driving_skills(self) if one.name not in taken),
+            *(
+                self._looking_ahead(one, turns=True)
+                for one in driving_skills(self)
+                if one.name not in taken
+            ),
         )
 
     @property
@@ -331,24 +337,57 @@ class ExternalRobot:
     ) -> None:
         robot_node = self._switched_on()
 
-        def make(estimate: PoseEstimate, backend: MotionBackend) -> ExternalMotion:
+        def make(estimate: PoseEstimate, backend: MotionBackend) -> ExternalMotion:  # noqa: ARG001
             robot_node.check_wheels()
-            motion = ExternalRelativeMotion(
-                course,
-                robot_node.senses,
-                self._settings,
-                estimate,
-                now_s=self._clock.now(),
-                turn=robot_node.control.steer,
-                recall=robot_node.recall,
-                sighted=backend.name != OwnSteering.name,  # Nav2 would see what no lidar here does
-            )
-            self.check_goal(motion.target.x_m, motion.target.y_m)
-            return motion
+            return self._relative(course, robot_node, estimate)
 
         motion = self._begin(robot_node, make, token)
         mux = robot_node.control.mux
         mux.carry_out(motion, token, lambda: self._report_relative(motion, report))
+
+    def _relative(
+        self,
+        course: Callable[[Pose2D, SteeringLimits], Course],
+        robot_node: RobotNode,
+        estimate: PoseEstimate,
+    ) -> ExternalRelativeMotion:
+        """A motion that has not begun. Raises `SkillFailed` where it cannot begin."""
+        motion = ExternalRelativeMotion(
+            course,
+            robot_node.senses,
+            self._settings,
+            estimate,
+            now_s=self._clock.now(),
+            turn=robot_node.control.steer,
+            recall=robot_node.recall,
+            sighted=robot_node.takes_goals,  # Nav2 would see what no lidar here does
+        )
+        self.check_goal(motion.target.x_m, motion.target.y_m)
+        return motion
+
+    def _looking_ahead(self, one: Skill, *, turns: bool) -> Skill:
+        """The skill, which looks whether it could drive now before it ends another motion.
+
+        `turns`: EdgeVox always turns the wheels for it.
+        """
+
+        def ready(token: CancelToken, most_s: float, /, **arguments: Any) -> None:
+            robot_node = self._switched_on()
+            self._states.check_driving(token, most_s)
+            robot_node.until_heard(token, most_s, turns=turns)
+            estimate = self._estimate()
+            if turns or not robot_node.takes_goals:
+                robot_node.check_wheels()
+            if turns and "distance" in arguments:  # it may not see its way
+                ahead = math.copysign(arguments["distance"], math.cos(one.towards_rad))
+                with self._lock:
+                    self._relative(
+                        lambda pose, limits: StraightCourse(pose, ahead, limits),
+                        robot_node,
+                        estimate,
+                    )
+
+        return replace(one, ready=ready) if one.drives else one
 
     def _begin(
         self,

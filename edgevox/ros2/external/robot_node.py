@@ -137,6 +137,27 @@ class RobotNode:
             self._wait(token, lambda: self.senses.estimate() is not None, until_s)
         return next((one for one in self._takers if one.available()), self._steering)
 
+    @property
+    def takes_goals(self) -> bool:
+        """Whether a node takes goals now, as far as the graph is known."""
+        return any(one.available() for one in self._takers)
+
+    def until_heard(self, token: CancelToken, most_s: float, *, turns: bool) -> None:
+        """Wait until the robot can be driven, as long as `choose` would, and so many seconds.
+
+        `turns`: it is not enough that it takes goals. Raises `Cancelled`.
+        """
+        now_s = self._clock.now()
+        late_s = now_s + SILENT_S if self.senses.odometry_history.newest() else now_s
+        until_s = min(now_s + most_s, max(self._discovered_s, late_s))
+        self._wait(token, lambda: self.senses.estimate() is not None, until_s)
+        until_s = min(until_s, self._discovered_s)
+        self._wait(
+            token,
+            lambda: self.types.is_there("cmd_vel") or (self.takes_goals and not turns),
+            until_s,
+        )
+
     def check_wheels(self) -> None:
         """Raise `SkillFailed` if no velocity can reach the robot."""
         if unfit := self.types.unfit("cmd_vel"):

@@ -103,32 +103,32 @@ class RobotStates:
         self._planned = {BATTERY: _USUAL_BATTERY, **self._planned}
         return self
 
-    def check_driving(self, token: CancelToken) -> None:
+    def check_driving(self, token: CancelToken, most_s: float = THERE_S) -> None:
         """Raise as `check` does for what driving needs."""
-        self.check(self._driving, token)
+        self.check(self._driving, token, most_s)
 
-    def check(self, needs: Sequence[Need], token: CancelToken) -> None:
+    def check(self, needs: Sequence[Need], token: CancelToken, most_s: float = THERE_S) -> None:
         """Raise `SkillFailed` for the first of these that is not met, or not known within seconds.
 
         Raises `Cancelled`, too.
         """
         for need in needs:
-            value = self._awaited(need.state, token)
-            wanted = constant(self._planned[need.state].owner, need.equals)
-            if not compares(value, need, wanted):
-                told = {code: text for code, text in need.languages.items() if text}
-                told["en"] = need.failed
-                raise SkillFailed(
-                    Reason(need.failed, code="not_now", sentences=told, is_sentence=True)
-                )
+            self._check(need, self._awaited(need.state, token, most_s))
 
-    def _awaited(self, name: str, token: CancelToken) -> Any:
+    def _check(self, need: Need, value: Any) -> None:
+        wanted = constant(self._planned[need.state].owner, need.equals)
+        if not compares(value, need, wanted):
+            told = {code: text for code, text in need.languages.items() if text}
+            told["en"] = need.failed
+            raise SkillFailed(Reason(need.failed, code="not_now", sentences=told, is_sentence=True))
+
+    def _awaited(self, name: str, token: CancelToken, most_s: float) -> Any:
         """A value, as soon as one is heard: the robot may have been found just now."""
         unheard = SkillFailed(interface_reason("unheard", what=name))
         if name not in self._heard:
             raise unheard
         try:
-            value = self._value(name, self._heard[name].latest(token, THERE_S))
+            value = self._value(name, self._heard[name].latest(token, most_s))
         except SkillFailed:
             raise unheard from None
         if value is None:
