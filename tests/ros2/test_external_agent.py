@@ -10,7 +10,9 @@ from external_rig import Velocities, wheels
 from guards import run_program
 from peer import SENSOR, STATE
 from robot_file_rig import Talk
+from robot_states import moving, standing
 from sensor_msgs.msg import BatteryState
+from std_msgs.msg import Bool
 from waiting import wait_until
 
 LOCATIONS = "desk: {x: 0.8, y: 0.0, aliases: [table]}\ndock: {x: -1.0, y: 0.0}\n"
@@ -115,3 +117,30 @@ def test_without_rclpy_it_says_what_it_needs():
     assert done.returncode == 2
     assert "robot-external needs ROS 2, and rclpy" in done.stderr
     assert "Traceback" not in done.stderr
+
+
+GUIDED = """
+namespace: /robot1
+state: {guided: {topic: guided, type: std_msgs/msg/Bool, field: data, latched: true}}
+needs: [{state: guided, equals: true, failed: I only drive in guided mode.}]
+"""
+
+
+def test_a_drive_ends_as_soon_as_the_robot_tells_that_what_it_needs_is_lost(
+    agent, peer, domain, tmp_path
+):
+    file = tmp_path / "robot.yaml"
+    file.write_text(GUIDED)
+    robot = peer()
+    with wheels(domain=domain, namespace="/robot1"):
+        agent(f"--robot-file={file}", robot="robot-external")
+        talk, state = Talk(robot), robot.listen("robot_state", STATE)
+        guided = robot.node.create_publisher(Bool, "/robot1/guided", STATE)
+        guided.publish(Bool(data=True))
+        begun = phrases.begins("drive_forward", distance=10)
+        talk.ask_until("drive 10 metres forward", begun)
+        state.wait_for(moving)
+        with talk.told("I only drive in guided mode."):
+            guided.publish(Bool(data=False))
+        state.wait_for(standing, since=len(state.messages))
+        assert talk.answer("drive 10 metres forward") == "I only drive in guided mode."

@@ -231,7 +231,8 @@ class ZeroVelocity(Motion):
 class ControlLoop:
     """The loop; the body holds the lock for `start` and `tick`.
 
-    `mux` decides what moves the robot. `hold` is the newest halt's.
+    `mux` decides what moves the robot. `hold` is the newest halt's. `check_driven` raises
+    `SkillFailed` as soon as a drive may not go on.
     """
 
     def __init__(
@@ -243,7 +244,9 @@ class ControlLoop:
         *,
         clock: Clock,
         obey_s: float,
+        check_driven: Callable[[], None] = lambda: None,
     ) -> None:
+        self._check_driven = check_driven
         self.mux: CommandMux[ExternalMotion] = CommandMux(lock, on_halt=self._stand)
         self.hold = ZeroVelocity(clock.now())
         self.hold.end()
@@ -292,6 +295,7 @@ class ControlLoop:
         try:
             if estimate is None:
                 raise SkillFailed(because("robot_silent", topic=self._senses.odom_topic))
+            self._check_driven()
             drive.tick(now_s, estimate)
         except SkillFailed as failure:
             self.mux.halt(failure)

@@ -194,6 +194,7 @@ class ExternalRobot:
             self._lock,
             described=(*self._described, self._states),
             handle=self.ros,
+            check_driven=self._states.check_driven,
         )
         self._robot_node.control.mux.limit = self._limit
         self._robot_node.start()

@@ -65,6 +65,7 @@ class RobotNode:
         *,
         described: Sequence[DescribedSkill | RobotStates] = (),
         handle: AgentNodeHandle | None = None,
+        check_driven: Callable[[], None] = lambda: None,
     ) -> None:
         self._settings, self._clock, self._lock = settings, clock, lock
         ros_args = [*sys.argv, *settings.remappings] if settings.remappings else ()
@@ -82,7 +83,13 @@ class RobotNode:
         nav2 = nav2_action(node, self._cancel.cancel_all, settings.goal_patience)
         self._takers: list[MotionBackend] = [nav2, goals] if nav2 else [goals]
         self.control = ControlLoop(
-            lock, self.senses, wheels, goals, clock=clock, obey_s=settings.obey_s
+            lock,
+            self.senses,
+            wheels,
+            goals,
+            clock=clock,
+            obey_s=settings.obey_s,
+            check_driven=check_driven,
         )
         self._steering = OwnSteering(
             self.control.steer,

@@ -1,7 +1,8 @@
 """The state of a robot by its file: values that it tells on topics, and what needs them.
 
 A state is one value of a topic's newest message. `needs` of a skill, and of driving, are conditions
-of such values: where one is not so, or is not known, nothing begins, and the robot says why.
+of such values: where one is not so, or is not known, nothing begins, and the robot says why. Those
+of driving must hold until the drive ends.
 """
 
 from collections.abc import Mapping, Sequence
@@ -106,6 +107,15 @@ class RobotStates:
     def check_driving(self, token: CancelToken, most_s: float = THERE_S) -> None:
         """Raise as `check` does for what driving needs."""
         self.check(self._driving, token, most_s)
+
+    def check_driven(self) -> None:
+        """Raise `SkillFailed` if what driving needs is known to be lost. Never blocks."""
+        for need in self._driving:
+            heard = self._heard.get(need.state)
+            message = heard.newest(float("inf")) if heard else None
+            value = None if message is None else self._value(need.state, message)
+            if value is not None:
+                self._check(need, value)
 
     def check(self, needs: Sequence[Need], token: CancelToken, most_s: float = THERE_S) -> None:
         """Raise `SkillFailed` for the first of these that is not met, or not known within seconds.
