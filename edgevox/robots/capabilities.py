@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from edgevox.agent.known import StateCondition
 from edgevox.agent.skills import Skill
 from edgevox.core.cancel import CancelToken
+from edgevox.core.reason import Reason
 from edgevox.core.transforms import IDENTITY, ORIGIN, Pose2D, Pose3D, to_map
 from edgevox.robots.places.memory import PlaceMemory
 from edgevox.robots.shapes import Point
@@ -379,6 +380,15 @@ class TellsFacts(Protocol):
 
         Neither programs nor the language model can call them.
         """
+
+
+@runtime_checkable
+class MayBeUnheard(Protocol):
+    """Moves elsewhere, so that nothing may be heard of it."""
+
+    @property
+    def unheard(self) -> Reason:
+        """The sentence that a stop was sent and nothing is heard; empty while it is heard."""
 
 
 @runtime_checkable

@@ -70,7 +70,7 @@ def test_a_sentence_drives_a_robot_that_only_speaks_ros_2_once_it_is_there(
 def test_the_usual_topic_of_a_battery_is_heard_and_waited_for(agent, peer, domain):
     agent("--namespace=/robot1", robot="robot-external")
     talk = Talk(peer())
-    assert phrases.why("no_battery") in talk.answer("how full is your battery")
+    assert "nothing of battery" in talk.answer("how full is your battery")
     assert talk.answer("if your battery is low, where are you") == phrases.refused("no_battery")
     robot = peer("/robot1")
     charge = robot.node.create_publisher(BatteryState, "/robot1/battery_state", SENSOR)
@@ -144,3 +144,18 @@ def test_a_drive_ends_as_soon_as_the_robot_tells_that_what_it_needs_is_lost(
             guided.publish(Bool(data=False))
         state.wait_for(standing, since=len(state.messages))
         assert talk.answer("drive 10 metres forward") == "I only drive in guided mode."
+
+
+def test_a_stop_claims_no_stand_of_a_robot_that_is_not_heard(agent, peer, domain):
+    robot = peer()
+    with wheels(domain=domain, namespace="/robot1"):
+        agent("--namespace=/robot1", robot="robot-external")
+        talk, its = Talk(robot), peer("/robot1")
+        done = its.listen("done")
+        unseen = phrases.why("stop_unseen", topic="/robot1/odom")
+        talk.ask_until("stop", phrases.said("standing"))
+        assert phrases.why("no_battery") in talk.answer("how full is your battery")
+        its.send("do", "silent")
+        done.wait_for(lambda m: m == "silent")
+        talk.ask_until("stop", unseen)
+        assert phrases.said("standing") not in talk.answer("stop")

@@ -21,6 +21,7 @@ from edgevox.core.cancel import Cancelled, CancelToken
 from edgevox.core.clock import Clock, SystemClock
 from edgevox.core.errors import finite
 from edgevox.core.log import get_logger
+from edgevox.core.reason import NO_REASON, Reason
 from edgevox.core.transforms import MAP, Pose2D
 from edgevox.robots.battery import battery_skill
 from edgevox.robots.capabilities import HasBattery, OccupancyMap, Report, SpeedLimit, Twist2D
@@ -30,6 +31,7 @@ from edgevox.robots.places.memory import PlaceMemory
 from edgevox.robots.relative_motion import Course, StraightCourse, TurnCourse
 from edgevox.robots.relative_skills import driving_skills, where
 from edgevox.ros2.agent_node_handle import AgentNodeHandle
+from edgevox.ros2.clients import interface_reason
 from edgevox.ros2.contract import EXTERNAL_NODE
 from edgevox.ros2.external.inputs import incredible
 from edgevox.ros2.external.motion import (
@@ -49,6 +51,7 @@ from edgevox.ros2.external.navigation import (
 from edgevox.ros2.external.robot_node import RobotNode
 from edgevox.ros2.external.settings import FURTHEST_M, ExternalSettings, Location, SteeringLimits
 from edgevox.ros2.node import RosNode
+from edgevox.ros2.robot_file.format import BATTERY
 from edgevox.ros2.robot_file.skills import DescribedSkill
 from edgevox.ros2.robot_file.state import NO_STATES, RobotStates
 from edgevox.ros2.stamps import NS_PER_S
@@ -110,7 +113,7 @@ class ExternalRobot:
         self.conditions = states.conditions()
         """What its states let orders wait for."""
         if states.has_battery:
-            self.battery = states.battery
+            self.battery = self._charge
         self.ros = AgentNodeHandle(self._clock)
         """Access to its node, for skills."""
         own = navigation_skills(
@@ -164,6 +167,15 @@ class ExternalRobot:
         if robot_node.senses.odometry_history.newest() is None:
             return robot_node.odometry_fault
         return f"nothing more is heard on {robot_node.senses.odom_topic}"
+
+    @property
+    def unheard(self) -> Reason:
+        """Why it is not known whether it stands after a stop; empty if it is."""
+        robot_node = self._robot_node
+        if robot_node is None or not self.fault:
+            return NO_REASON
+        unseen = because("stop_unseen", topic=robot_node.senses.odom_topic)
+        return replace(unseen, is_sentence=True)
 
     @property
     def doubts(self) -> Sequence[str]:
@@ -420,15 +432,27 @@ class ExternalRobot:
         if moved:
             hold.wait_for(self._settings.obey_s + 1.0)
         hold.check()
+        if self.unheard:
+            raise SkillFailed(self.unheard)
         return {"was_moving": moved}
 
     def _stand(self, robot_node: RobotNode, reason: str) -> tuple[bool, ZeroVelocity]:
         """Stop; return whether the robot moved or drove, and the hold that it is under now."""
         with self._lock:
             self._stops += 1
-            moving = not robot_node.senses.odometry_history.still()
+            moving = robot_node.senses.odometry_history.moves()
             drove = robot_node.control.mux.halt(Cancelled(reason))
             return moving or drove, robot_node.control.hold
+
+    def _charge(self) -> float:
+        """Its charge, from 0 to 1. Raises `SkillFailed`: a silent robot may have a battery."""
+        try:
+            return self._states.battery()
+        except SkillFailed as error:
+            named = any(one.startswith("battery_state:=") for one in self._settings.remappings)
+            if error.reason.code == "no_battery" and (named or self.unheard):
+                raise SkillFailed(interface_reason("unheard", what=BATTERY)) from None
+            raise
 
     def _switched_on(self) -> RobotNode:
         if self._robot_node is None:

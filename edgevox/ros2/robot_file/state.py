@@ -7,7 +7,7 @@ of driving must hold until the drive ends.
 
 from collections.abc import Mapping, Sequence
 from functools import partial
-from math import isfinite
+from math import inf, isfinite
 from typing import Any
 
 from hassil.parse_expression import parse_sentence
@@ -91,8 +91,8 @@ class RobotStates:
         message = self._heard[BATTERY].newest() if BATTERY in self._heard else None
         value = None if message is None else self._value(BATTERY, message)
         if not isinstance(value, int | float) or not isfinite(value):
-            if self._planned.get(BATTERY) is _USUAL_BATTERY:  # it may have none
-                raise SkillFailed(because("no_battery"))
+            if self._planned.get(BATTERY) is _USUAL_BATTERY and not self._ever_heard(BATTERY):
+                raise SkillFailed(because("no_battery"))  # it may have none
             raise SkillFailed(interface_reason("unheard", what=BATTERY))
         charge = value / 100 if value > _MOST_CHARGE else value
         return min(1.0, max(0.0, float(charge)))
@@ -111,8 +111,7 @@ class RobotStates:
     def check_driven(self) -> None:
         """Raise `SkillFailed` if what driving needs is known to be lost. Never blocks."""
         for need in self._driving:
-            heard = self._heard.get(need.state)
-            message = heard.newest(float("inf")) if heard else None
+            message = self._ever_heard(need.state)
             value = None if message is None else self._value(need.state, message)
             if value is not None:
                 self._check(need, value)
@@ -144,6 +143,10 @@ class RobotStates:
         if value is None:
             raise unheard
         return value
+
+    def _ever_heard(self, name: str) -> Any:
+        """The newest message, however old; None if there is none."""
+        return self._heard[name].newest(inf) if name in self._heard else None
 
     def _value(self, name: str, message: Any) -> Any:
         return value_of(message, self._planned[name].entry.value)
