@@ -89,6 +89,7 @@ class RobotNode:
             goals,
             clock=clock,
             obey_s=settings.obey_s,
+            speed_up_m_s2=settings.steering.max_linear_m_s2,
             check_driven=check_driven,
         )
         self._steering = OwnSteering(
