@@ -5,7 +5,7 @@ positive); poses in the ``map`` frame, whose x is east and y is north (REP 105).
 called from any thread.
 """
 
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import isfinite
 from typing import Any, Literal, Protocol, runtime_checkable
@@ -368,6 +368,10 @@ class FromFile(Protocol):
     @property
     def file_sentences(self) -> Mapping[tuple[str, str, str], str]:
         """The skill, the language and the template of each sentence; and its place in the file."""
+
+    @property
+    def file_notes(self) -> Sequence[str]:
+        """What may not be as its owner thinks."""
 
 
 @runtime_checkable

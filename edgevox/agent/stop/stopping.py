@@ -235,7 +235,7 @@ class Stopping:
         if not unheard:
             return phrases.say(told)
         sentence = phrases.failure(unheard)
-        return f"{phrases.say(told)} {sentence}" if told == _TOLD[-1] else sentence
+        return sentence if told == STANDING else f"{phrases.say(told)} {sentence}"
 
     def _stop_word(self, word: str, words: TextInput | Heard) -> None:
         said_s, spotted = self._clock.now(), False

@@ -80,6 +80,7 @@ class ExternalRobot:
     """The policy that its file names or holds, for where no setting names one."""
     skills_off: Mapping[str, str] = MappingProxyType({})
     file_sentences: Mapping[tuple[str, str, str], str] = MappingProxyType({})
+    file_notes: Sequence[str] = ()
     """What it has of a file; see `FromFile`."""
 
     def __init__(
@@ -502,6 +503,7 @@ class StationaryRobot:
     """The policy that its file names or holds, for where no setting names one."""
     skills_off: Mapping[str, str] = MappingProxyType({})
     file_sentences: Mapping[tuple[str, str, str], str] = MappingProxyType({})
+    file_notes: Sequence[str] = ()
     """What it has of a file; see `FromFile`."""
 
     def __init__(

@@ -10,7 +10,7 @@ from pydantic import ValidationError
 from edgevox.agent.phrases.load import ENGLISH
 from edgevox.agent.policy import Policy
 from edgevox.core.files.user_file import read_text
-from edgevox.core.files.validation import Problems
+from edgevox.core.files.validation import Place, Problems
 from edgevox.core.files.yaml_file import YamlFile
 from edgevox.core.settings import Settings
 from edgevox.ros2.external.settings import (
@@ -19,7 +19,7 @@ from edgevox.ros2.external.settings import (
     load_locations,
     read_locations,
 )
-from edgevox.ros2.robot_file.format import RobotFile, SkillEntry, StateEntry
+from edgevox.ros2.robot_file.format import Need, RobotFile, SkillEntry, StateEntry
 from edgevox.ros2.robot_file.shared import with_shared
 
 T = TypeVar("T")
@@ -84,6 +84,20 @@ class DescribedRobot:
             for inner in [() if said is entry else ("languages", code)]
             for index, template in enumerate(said.sentences)
         }
+
+    @property
+    def notes(self) -> Sequence[str]:
+        """What may not be as its owner thinks: needs that old messages can meet."""
+        robot = self.robot
+        places: list[tuple[Place, Sequence[Need]]] = [(("needs",), robot.needs)]
+        places += [(("skills", name, "needs"), one.needs) for name, one in robot.skills.items()]
+        return [
+            f"{self.file.field((*at, index))}: {need.state} is latched, so that a message of any"
+            " age counts, also of a robot that has fallen silent"
+            for at, needs in places
+            for index, need in enumerate(needs)
+            if need.state in robot.state and robot.state[need.state].latched
+        ]
 
     @property
     def remappings(self) -> Sequence[str]:
