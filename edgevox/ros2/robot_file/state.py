@@ -245,8 +245,9 @@ def _question(name: str, entry: StateEntry) -> SkillEntry:
     called = name.replace("_", " ")
     unit = f" {entry.unit}" if entry.unit else ""
     read = Step(read=entry.read, result={name: entry.value})
+    told = f"Tell a state of the robot: {called}." if entry.words else f"Say what the {called} is."
     usual = {
-        "description": f"Say what the {called} is.",
+        "description": told,
         "sentences": [f"what (is|are) [(the|your)] {called}", f"what's [(the|your)] {called}"],
         "done": f"The {called} is {{{name}}}{unit}.",
     }
