@@ -11,7 +11,7 @@ from benchmarks.core.figures import Figure, Measured, NotHere
 from benchmarks.core.listed import BENCHMARKS, FRONT
 from benchmarks.core.plots import Bar, Dot, bars, reliability
 from benchmarks.core.results import FRONT_FILE, BadResults, Results, read, write
-from benchmarks.core.tables import number
+from benchmarks.core.tables import measured, number
 from benchmarks.robots import sim
 
 __all__ = [
@@ -27,6 +27,7 @@ __all__ = [
     "calibrated",
     "describing",
     "front",
+    "measured",
     "number",
     "read",
     "reliability",

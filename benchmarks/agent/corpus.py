@@ -1,10 +1,9 @@
-"""What the product makes of the sentences of strangers: what is right, moves wrongly, is asked.
+"""What the product makes of strangers' sentences: right, wrong motions, asked back.
 
-Each sentence goes the way that a spoken one goes: stop words, templates of skills and of programs,
-readings and their judge. A language model is not asked, since it moves nothing. "asked" is what is
-asked back; a wrong motion is one that is begun unasked and is none of the right outcomes. The last
-table tells how far the judge's confidence in a reading of the held-out half can be believed; from
-0.5 on it asks, from 0.8 on it acts.
+Each sentence passes stop words, templates of skills and programs, and readings with their judge; no
+language model takes part. A wrong motion begins unasked and is none of the right outcomes. The last
+table shows the judge's confidence in readings of the held-out half: from 0.5 on it asks, from 0.8
+on it acts.
 """
 
 import time

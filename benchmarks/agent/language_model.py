@@ -1,7 +1,7 @@
-"""The language model as EdgeVox uses it, beside plain llama-cpp-python.
+"""The language model in EdgeVox, beside plain llama-cpp-python.
 
-The same weights, the same chat, the same grammar of words and as many threads, each in a process of
-its own, all of which take turns. Plain is `Llama.create_chat_completion`, as it comes.
+The same weights, chat, grammar and number of threads, each in a process of its own, by turns. Plain
+is `Llama.create_chat_completion`.
 """
 
 import multiprocessing

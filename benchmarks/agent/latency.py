@@ -1,7 +1,6 @@
-"""How fast a running agent answers and stops, and how much memory it takes, seen over ROS 2.
+"""How fast a running agent answers and stops, and its memory, seen over ROS 2.
 
-Starts `edgevox-agent` as users do, in a process of its own, and talks to it as any ROS 2 node
-would.
+`edgevox-agent` runs in a process of its own, as users start it.
 """
 
 from benchmarks.core.figures import Figure, Measured

@@ -1,10 +1,9 @@
-"""How much memory the agent takes as a user starts it: everything in the default set at once.
+"""The memory of an agent with the whole default set.
 
-`edgevox-agent robot-apartment --ros2`, without another word but for a recording in place of the
-microphone and a file in place of the loudspeaker: hearing, the encoder that judges sentences, the
-language model and a voice. It is told a plain command, one that no template knows, and a question
-that the model answers, and says all its answers. Looked at ten times a second, with every process
-that it starts. A page that processes share counts in part in each of them (PSS).
+`edgevox-agent robot-apartment --ros2`, with a recording as microphone and a file as loudspeaker,
+hears a plain command, a command that no template knows, and a question for the model, and speaks
+all answers. Sampled ten times a second, with all child processes. PSS counts a share of the memory
+that processes share.
 """
 
 import os

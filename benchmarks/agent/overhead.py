@@ -1,11 +1,9 @@
-"""What logs, metrics and diagnostics cost together: an agent with all of it beside one with none.
+"""The cost of logs, metrics and diagnostics: an agent with all of them beside one with none.
 
-Both run at once, at rest for the same time and then turn by turn in turns, and everything is time
-of the processor. With all: JSON log lines from info on, into a pipe, as a container's engine takes
-them; metrics that are fetched every five seconds (Prometheus asks every minute unless told, most
-people tell it 15 s); `/diagnostics` at 1 Hz, with somebody who listens. The sentences for the model
-are answered by a server that takes the time of the small model and no work, since the noise of a
-model on the same processor is larger than what is sought.
+Both run at once, at rest and then turn by turn, in CPU time. With all: JSON lines from info on into
+a pipe; metrics fetched every five seconds (Prometheus usually asks every 15 to 60 s);
+`/diagnostics` at 1 Hz with a subscriber. A server with the delay of the small model answers the
+sentences for the model, since a real one is noisier than the difference.
 """
 
 import statistics

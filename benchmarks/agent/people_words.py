@@ -1,13 +1,12 @@
 """What people said to robots, in their own words: orders to walk, and orders about a house.
 
 `EDGEVOX_PEOPLE_WORDS` names a folder with `scout_moves.jsonl` (utterances of commanders who drove a
-robot by voice, each with the one call that it meant: ARL-SCOUT) and `huric.jsonl` (commands to a
-house robot with their frames: HuRIC). Without it this benchmark ends with a line that says so.
+robot by voice, each with the call it meant: ARL-SCOUT) and `huric.jsonl` (commands to a house robot
+with their frames: HuRIC).
 
-Each sentence goes the way that a spoken one goes, heard without a doubt and without a language
-model. "asked" is the right call, asked about first; a wrong motion is one that is begun unasked. Of
-the house's sentences those with no other frame than Motion and Change_direction ask it to go; no
-other may move it.
+Sentences count as heard without a doubt; no language model takes part. "asked" is the right call,
+asked about first; a wrong motion begins unasked. A house sentence with no other frame than Motion
+and Change_direction asks the robot to go; no other may move it.
 """
 
 import json

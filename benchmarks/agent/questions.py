@@ -1,10 +1,8 @@
-"""Questions to three bodies about themselves and their world: how many are answered rightly.
+"""Questions to three robots about themselves and their world: how many are answered rightly.
 
-    python -m benchmarks.agent.questions [MODEL]
-
-`questions.yaml` has them. Each goes to a whole agent with a simulated robot, whose time is held
-while it is asked, without a language model or with the one that is named. A right answer holds
-what the file says, begins no motion, ends none, and asks nothing.
+A whole agent with a simulated robot is asked the questions of `questions.yaml` while its time
+stands still, without a language model or with the one that an argument names. A right answer has
+what the file says, begins and ends no motion, and asks nothing.
 """
 
 import re

@@ -1,9 +1,9 @@
-"""One language model for 1 to 50 robots: what they wait, how fair it is, who is turned away.
+"""One language model for 1 to 50 robots: waiting, fairness, refusals.
 
-A real llama-server with the smallest model here, two answers at once. Each robot has an address of
-its own and asks what no template knows, in the agent's own prompt and grammar; five seconds after
-its answer it asks again. Who hears nothing within `llm_endpoint_timeout` hangs up. Once straight,
-once through HAProxy with `compose/llm-queue/haproxy.cfg`, by turns, on one server.
+A real llama-server with the smallest model answers two requests at once, by turns directly and
+through HAProxy with `compose/llm-queue/haproxy.cfg`. Each robot has its own address, asks with the
+agent's prompt and grammar, asks again five seconds after an answer, and gives up after
+`llm_endpoint_timeout`.
 """
 
 import itertools

@@ -1,8 +1,7 @@
-"""Through how much of the code a typed sentence passes before a wheel turns.
+"""How much of the code a typed sentence passes before a wheel turns.
 
-An agent with the apartment's robot runs in this process, its threads under Python's profiler. What
-they call while nothing is asked is no part of the sentence's way; the rest, from the message on
-`text_input` to the first motion, is: files, functions and threads of ours.
+The threads of an agent with the apartment's robot run under Python's profiler, from the message on
+`text_input` to the first motion. Only EdgeVox's own code counts, without what runs at rest.
 """
 
 import threading

@@ -1,12 +1,10 @@
-"""The console in a real browser: how soon its stop stands the robot, its map, its sound, its cost.
+"""The console in a real browser: its stop, map, sound and cost.
 
-A press on stop counts from the browser's event to zero velocity heard by a ROS 2 peer, 100 times a
-second. The map's age is that of the state it shows, by the robot's clock, just before the next one
-comes. Speech is compared with the same words pushed into `audio_in`: from the last loud frame, as
-it leaves the page, to the goal that they become; the time that speech to text takes is left out: it
-is the same for both, and varies by more than they differ. The first sound counts from the moment in
-which the robot's loudspeaker is due to play it to the one in which the browser mixes it; what
-either sound card takes is in neither.
+A press on stop counts from the browser's event to zero velocity at a ROS 2 peer, which hears it 100
+times a second. The map's age is that of the state it shows, just before the next one. Speech
+counts from the last loud frame that leaves the page to its goal, without speech to text, and beside
+the same words on `audio_in`. The first sound counts from when the robot's loudspeaker is due to
+play it to when the browser mixes it, without sound cards.
 """
 
 import argparse

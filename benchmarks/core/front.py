@@ -1,4 +1,4 @@
-"""What of the figures stands in the README and at the head of their page, and what is drawn.
+"""What of the figures stands in the README, and what is drawn.
 
 The README shows one run with `--front` alone; all else is of `results.json`.
 """
@@ -12,11 +12,8 @@ from benchmarks.core.plots import Bar, Dot, bars, reliability
 from benchmarks.core.results import BadResults, Results, Run
 from benchmarks.core.tables import (
     at_commit,
-    beside,
     largest,
     measured,
-    number,
-    ratio,
     table,
     wanted,
 )
@@ -40,27 +37,13 @@ class Shown:
         return self.label or self.of(results)[0].what
 
 
-ANSWERS = (
+TYPED = (
     Shown("latency", "plain_command"),
     Shown("latency", "stop", 'typed "stop" to zero velocity while the model generates'),
-    Shown("latency", "first_token", "question to the first token of a long answer"),
-    START := Shown("latency", "start", "start to ready, typed"),
-    Shown("latency", "memory_bare"),
-    Shown("latency", "memory_small"),
-    MEMORY := Shown("memory", "resident", "memory of the default set, hearing and speaking"),
-    IDLE := Shown("ros2", "idle_heard", "a standing robot whose `/tf` and `robot_state` are heard"),
 )
-VOICE = (
-    Shown("voice", "word_errors"),
-    Shown("voice", "first_sound", "end of speech to the first audible sample"),
-    Shown("voice", "silence"),
-    Shown("voice", "to_floor", "the same without that silence, against the parts one by one"),
-    Shown("voice", "long_to_floor", "an answer of three sentences or more, against them"),
-    Shown("voice", "barge_in", "speaking over it: first voiced to last played sample"),
-    Shown("voice", "listening_with", "listening to silence for a wake word"),
-    Shown("voice", "hour_late_memory", "an hour of sound: growth of memory in its last quarter"),
-    Shown("voice", "hour_threads", "an hour of sound: growth of threads"),
-)
+FIRST_TOKEN = Shown("latency", "first_token", "question to the first token of a long answer")
+FIRST_SOUND = Shown("voice", "first_sound", "end of speech to the first audible sample")
+BARGE_IN = Shown("voice", "barge_in", "speaking over it: first voiced to last played sample")
 BESIDE = (
     Shown("language_model", "first.xllamacpp", "llama-cpp-python: to the first token"),
     Shown("language_model", "rate.xllamacpp", "llama-cpp-python: each further token"),
@@ -71,25 +54,14 @@ BESIDE = (
     Shown("robots", "panda_picking_and_placing", "MuJoCo, the arm at work: times real time"),
     Shown("robots", "humanoid_g1_walking", "MuJoCo, the G1 walking by its policy: times real time"),
 )
-OVERHEAD = (
-    Shown("overhead", "rest.more", "at rest, of a core"),
-    Shown("overhead", "model.work.more", "of the time of a sentence for the model"),
-    Shown("overhead", "plain.work.more", "of the time of a typed plain command"),
-)
-STRANGERS = (
+FRONT = (
+    *TYPED,
     Shown(
         "corpus", "whole.held_out.right", "sentences of strangers: understood, or rightly ignored"
     ),
     Shown("corpus", "whole.held_out.moved", "sentences of strangers, of some 800: wrong motions"),
-)
-DECIDED = (
-    *STRANGERS,
-    Shown("corpus", "whole.held_out.asked", "sentences of strangers: asked back"),
-    Shown("corpus", "whole.held_out.time_template"),
-    Shown("corpus", "whole.held_out.time_reading"),
-    Shown("corpus", "whole.held_out.p95", "time to decide, 95th percentile"),
-)
-SPOKEN = (
+    FIRST_SOUND,
+    BARGE_IN,
     Shown(
         "voice",
         "stop",
@@ -97,29 +69,12 @@ SPOKEN = (
     ),
     Shown("noise", "db10.right", "spoken commands right, noise at 10 dB"),
     Shown("noise", "db10.wrong", "wrong motions of 640 spoken commands, noise at 10 dB"),
-)
-CONTAINER = (
+    Shown("latency", "start", "start to ready, typed"),
+    Shown("memory", "resident", "memory of the default set, hearing and speaking"),
+    Shown("ros2", "idle_heard", "a standing robot whose `/tf` and `robot_state` are heard"),
     Shown("image", "image.all", "image with models and all robots"),
-    Shown("image", "slim.all", "slim image"),
-    Shown("image", "ready"),
-)
-FRONT = (
-    *ANSWERS[:2],
-    *STRANGERS,
-    *(VOICE[at] for at in (1, 5)),
-    *SPOKEN,
-    START,
-    MEMORY,
-    IDLE,
-    CONTAINER[0],
 )
 """What a user decides by: the README's table."""
-BODIES = (
-    ("`robot-apartment`, driving", "apartment_driving", "step"),
-    ("`robot-irsim`, driving", "irsim_driving", "added"),
-    ("`robot-panda`, picking and placing", "panda_picking_and_placing", "added"),
-    ("`robot-humanoid`, walking", "humanoid_g1_walking", "added"),
-)
 
 
 def of_the_front(name: str, found: Measured) -> Measured:
@@ -155,65 +110,15 @@ def front(results: Results) -> str:
     return shown + (left_out if missing else "")
 
 
-def answers(results: Results) -> str:
-    """How soon it answers and stops, typed; what it takes."""
-    return _chosen(results, ANSWERS, {"median": measured, "largest": largest, "wanted": wanted})
-
-
-def voice(results: Results) -> str:
-    """How well and how soon it hears and speaks."""
-    return _chosen(results, VOICE, {"median": measured, "largest": largest, "wanted": wanted})
-
-
-def overhead(results: Results) -> str:
-    """What watching it costs."""
-    return _chosen(results, OVERHEAD, {"measured": measured, "wanted": wanted})
-
-
-def container(results: Results) -> str:
-    """What the image weighs and how fast it starts."""
-    return _chosen(results, CONTAINER, {"measured": measured, "wanted": wanted})
-
-
-def plain(results: Results) -> str:
-    """Ours beside the plain library."""
-    return _chosen(results, BESIDE, {"plain": beside, "ours": measured, "ratio": ratio})
-
-
-def bodies(results: Results) -> str:
-    """How fast the worlds are, with and without us."""
-    run = results.run("robots")
-    rows = []
-    for label, name, added in BODIES:
-        parts = (name, f"{name}.alone", f"{name}.{added}", f"{name}.added_by_all")
-        figures = [run.figure(one) for one in parts]
-        cells = [number(one.value) for one in figures[:2]] + [measured(one) for one in figures[2:]]
-        rows.append((label, *cells))
-    heads = ("seconds of the world for one of the processor", "the simulator alone")
-    return table(("body", *heads, "our layer adds", "with all it thinks and plans"), rows)
-
-
-def decided(results: Results) -> str:
-    """What becomes of sentences that nothing was tuned to."""
-    return _chosen(results, DECIDED, {"measured": measured, "wanted": wanted})
-
-
 BLOCKS: Mapping[str, Callable[[Results], str]] = {
     "front-measured": measured_on,
     "front": front,
-    "short-answers": answers,
-    "short-voice": voice,
-    "short-overhead": overhead,
-    "short-container": container,
-    "short-plain": plain,
-    "short-bodies": bodies,
-    "short-decided": decided,
 }
 
 
 def plot_answers(results: Results) -> str:
     """How long people wait, from milliseconds to seconds."""
-    chosen = (*ANSWERS[:3], VOICE[5], VOICE[1])
+    chosen = (*TYPED, FIRST_TOKEN, BARGE_IN, FIRST_SOUND)
     rows = []
     for one in chosen:
         figure, _ = one.of(results)

@@ -1,7 +1,7 @@
 """Figures as Markdown: numbers, cells, and the tables of one benchmark."""
 
 import ast
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 
 from benchmarks import ROOT
 from benchmarks.core.environment import Environment
@@ -90,16 +90,11 @@ COLUMNS: tuple[tuple[str, Cell], ...] = (
 
 
 def of_benchmark(name: str, results: Results) -> str:
-    """All that a benchmark found: how, when, its tables, its notes."""
+    """All figures that a benchmark found, how and when; of its notes only how many there are."""
     run = results.run(name)
-    parts = [docstring(name), "", when(run), ""]
-    titles = list(dict.fromkeys(figure.table for figure in run.figures))
-    for title in titles:
-        chosen = [figure for figure in run.figures if figure.table == title]
-        parts += [f"### {title}", "", _crossed(chosen, run) or _listed(chosen, run)]
-    for heading, lines in run.notes.items():
-        parts += [f"{heading}:", ""]
-        parts += [f"- {line}" for line in lines] + [""]
+    parts = [docstring(name).replace("\n\n", "\n", 1), when(run), "", *_tables(run)]
+    if notes := "; ".join(f"{head} ({len(lines)})" for head, lines in run.notes.items() if lines):
+        parts.append(f"`benchmarks/results.json` has notes: {notes}.")
     return "\n".join(parts).rstrip() + "\n"
 
 
@@ -120,12 +115,17 @@ def at_commit(run: Run) -> str:
 
 
 def described(environments: Iterable[Environment]) -> str:
-    """The machines and the versions."""
-    parts = []
-    for one in environments:
-        versions = ", ".join(f"{name} {version}" for name, version in one.versions.items())
-        parts.append(f"{one.machine}. With {versions}.\n")
-    return "\n".join(parts)
+    """The machines, and the versions on them; each block names its commit of EdgeVox."""
+    there = list(environments)
+    machines = list(dict.fromkeys(str(one.machine) for one in there))
+    found: dict[str, list[str]] = {}
+    for one in there:
+        for name in one.versions.keys() - {"edgevox"}:
+            found.setdefault(name, []).append(one.versions[name])
+    versions = ", ".join(
+        f"{name} {' or '.join(sorted(set(known)))}" for name, known in sorted(found.items())
+    )
+    return f"With {versions}, on:\n\n" + "".join(f"- {one}\n" for one in machines)
 
 
 def docstring(name: str) -> str:
@@ -135,29 +135,97 @@ def docstring(name: str) -> str:
     return ast.get_docstring(tree) or ""
 
 
-def _listed(figures: Sequence[Figure], run: Run) -> str:
+def _tables(run: Run) -> list[str]:
+    """Its tables, each with its title as the first head; tables of one form are one."""
+    tables: dict[str, list[Figure]] = {}
+    for figure in run.figures:
+        tables.setdefault(figure.table, []).append(figure)
+    forms = {title: _form(figures) for title, figures in tables.items()}
+    parts, done = [], set()
+    for title, figures in tables.items():
+        alike = [one for one, form in forms.items() if form == forms[title]]
+        if title in done:
+            continue
+        if forms[title] and len(alike) > 2:
+            parts.append(_stacked({one: tables[one] for one in alike}, run))
+            done |= set(alike)
+        elif any(one.column for one in figures):
+            parts.append(_crossed(title, figures, run))
+        else:
+            parts.append(_split(title, figures, run) or _listed(title, figures, run))
+    return parts
+
+
+def _form(figures: Sequence[Figure]) -> tuple[str, ...]:
+    """The rows and the columns of a table; empty where it has no columns."""
+    if not any(one.column for one in figures):
+        return ()
+    return tuple(dict.fromkeys(text for one in figures for text in (one.what, one.column)))
+
+
+def _listed(title: str, figures: Sequence[Figure], run: Run) -> str:
     """A row a figure; columns that say nothing are left out."""
     cells = {head: [cell(one, run) for one in figures] for head, cell in COLUMNS}
     heads = [head for head, column in cells.items() if any(column)]
     rows = zip((one.what for one in figures), *(cells[head] for head in heads), strict=True)
-    return table(("what", *heads), rows)
+    return table((title, *heads), rows)
 
 
-def _crossed(figures: Sequence[Figure], run: Run) -> str:
-    """Rows against columns; empty where the figures have no columns."""
+def _split(title: str, figures: Sequence[Figure], run: Run) -> str:
+    """Rows called "where: what", the same what everywhere, as rows against columns; else empty."""
+    groups: dict[str, dict[str, Figure]] = {}
+    for one in figures:
+        where, _, what = one.what.partition(": ")
+        groups.setdefault(where, {})[what] = one
+    whats = {tuple(group) for group in groups.values()}
+    if len(groups) < 2 or len(whats) != 1 or len(figures) == len(groups):
+        return ""
+    rows = (
+        (what, *(_crossing(group[what], run) for group in groups.values())) for what in whats.pop()
+    )
+    return table((title, *groups), rows)
+
+
+def _crossed(title: str, figures: Sequence[Figure], run: Run) -> str:
+    """Rows against columns; rows called "which: what", the same what of each, are one of each."""
     columns = list(dict.fromkeys(one.column for one in figures))
-    if columns == [""]:
-        return ""
+    found: dict[str, dict[str, str]] = {}
+    for one in figures:
+        found.setdefault(one.what, {})[one.column] = _crossing(one, run)
+    groups: dict[str, list[str]] = {}
+    for what in found:
+        groups.setdefault(what.partition(": ")[0], []).append(what)
+    parts = [tuple(one.partition(": ")[2] for one in group) for group in groups.values()]
     rows = []
-    for what in dict.fromkeys(one.what for one in figures):
-        found = {one.column: one for one in figures if one.what == what}
-        rows.append((what, *(_crossing(found.get(column), run) for column in columns)))
-    return table(("what", *columns), rows)
+    for group, part in zip(groups.values(), parts, strict=True):
+        together = [group] if len(group) > 1 and parts.count(part) > 2 else [[one] for one in group]
+        for whats in together:
+            label = f"{whats[0]}; {'; '.join(part[1:])}" if len(whats) > 1 else whats[0]
+            rows.append(
+                (label, *(_joined(found[what].get(one, "") for what in whats) for one in columns))
+            )
+    return table((title, *columns), rows)
 
 
-def _crossing(figure: Figure | None, run: Run) -> str:
-    if figure is None:
-        return ""
+def _stacked(tables: Mapping[str, Sequence[Figure]], run: Run) -> str:
+    """Several tables with the same rows and columns: a row for each, a column for each row."""
+    first = next(iter(tables.values()))
+    whats, columns = (
+        list(dict.fromkeys(texts))
+        for texts in ((one.what for one in first), (one.column for one in first))
+    )
+    rows = []
+    for title, figures in tables.items():
+        found = {(one.what, one.column): _crossing(one, run) for one in figures}
+        rows.append((title, *(_joined(found[what, one] for one in columns) for what in whats)))
+    return table(("; ".join(columns), *whats), rows)
+
+
+def _joined(cells: Iterable[str]) -> str:
+    return "; ".join(one for one in cells if one)
+
+
+def _crossing(figure: Figure, run: Run) -> str:
     against = ratio(figure, run)
     beside = [f"{against} times"] if against else []
     beside += [between] if (between := interval(figure, run)) else []

@@ -1,12 +1,10 @@
-"""Hearing a person through the robot's own voice: by the gate, and by the canceller before it.
+"""Hearing a person through the robot's own voice: the gate alone, and the echo canceller.
 
-The robot speaks by Piper, people by the English ones of Kokoro's voices that nothing was tuned
-with, and by espeak-ng, in six simulated ways from loudspeaker
-to microphone (`echo_paths`): 20 to 250 ms, clocks up to 100 ppm apart, distorted, in rooms. Both
-ways of listening hear the same. It speaks without end, and in short answers with seconds of silence
-between, listening anew each minute: what is not learnt yet is where it goes wrong. Who speaks over
-it does so after its first 5 s, and after 20 s. Time is simulated: how busy the machine is changes
-nothing but the share of a core.
+The robot speaks with Piper. Held-out English voices of Kokoro and espeak-ng speak over it, after
+its first 5 s and after 20 s. Six simulated paths from loudspeaker to microphone (`echo_paths`) have
+delays of 20 to 250 ms, clocks up to 100 ppm apart, distortion, and rooms. The robot speaks without
+end, and in short answers between seconds of silence; the canceller learns again each minute. Time
+is simulated: only the share of a core depends on the machine.
 """
 
 import itertools

@@ -1,12 +1,10 @@
-"""When an utterance counts as over: how long after a command, and how often within a sentence.
+"""When an utterance counts as over: after a command, and within a sentence.
 
-Voices are Kokoro's and espeak-ng's, those held out from training (`training.acoustics`); the
-sentences are eight commands, and ten that are said with a pause of 0.3 to 0.8 s, which the rules
-were made with. Time is that of the sound: recognising words counts as 0.25 s, so that the figures
-do not depend on the machine, and no command can be known before 0.45 s; how soon a robot really
-acts is measured by `voice`. Where a sentence that goes on began as a whole command, the command is
-begun, and taken back when the rest is heard: such a sentence is not cut, but counted beside those
-that are.
+Held-out voices of Kokoro and espeak-ng (`training.acoustics`) say eight commands, and ten sentences
+with a pause of 0.3 to 0.8 s; the rules were made with these sentences. Recognising words counts as
+0.25 s, so no command is known before 0.45 s; `voice` measures the real delay. If the words before a
+pause are a whole command, it begins, and is taken back when the rest is heard: such a sentence
+counts as begun, not as cut.
 """
 
 from collections.abc import Callable, Iterator

@@ -1,18 +1,14 @@
-"""The robot's own motors, fans and steps: what it takes for a voice, and speech over them.
+"""The robot's own motors, fans and steps: false voices, and speech over them.
 
-The sounds are made from seeds (`training.acoustics.noises`): drive wheels that speed up and brake,
-the servos of an arm, a humanoid's steps, and fans. Nothing was trained or tuned with them. Alone,
-they are as loud as a voice at -26 dB of full scale, and 12 dB louder, as at a microphone on the
-chassis. They are heard in one go, wheels first: a voice detector that was opened a moment ago takes
-servos at the louder level for a short utterance, about once in its first ten seconds of them, and
-then no more. What is taken for an utterance then goes to Whisper and the interpreter, as in the
-product.
+The sounds are generated (`training.acoustics.noises`) and nothing was tuned with them: drive
+wheels, servos, a humanoid's steps, fans. Alone they are as loud as a voice at -26 dB of full scale,
+and 12 dB louder, as at a microphone on the chassis. They play in one go: a voice detector that was
+just opened takes loud servos for a short utterance about once in the first ten seconds.
 
-Beside the robot's own voice, in the six ways of `duplex` from loudspeaker to microphone, they are
-as loud as the person there. In the last part a person says commands at 0 dB, in a room, and an
-utterance is over by its words, as in `endings`. What was cut was over more than 0.3 s earlier than
-in quiet, without the words that were said; what was late, more than 0.5 s later, mostly because no
-words were understood. "Stop!" may also be spotted by its sound.
+Beside the robot's own voice, over the six paths of `duplex`, they are as loud as the person. Then a
+person says commands at 0 dB in a room, and an utterance is over by its words, as in `endings`.
+"cut" was over more than 0.3 s earlier than in quiet, without the words that were said; "late", more
+than 0.5 s later, mostly because no words were understood. "Stop!" may also be spotted by its sound.
 """
 
 import itertools

@@ -1,16 +1,12 @@
-"""Plain commands spoken in quiet, and in a room with noise: what the robot would do about them.
+"""Plain commands in quiet and in a noisy room: what the robot would do about them.
 
-Each goes the way that sound goes: voice activity, the end of an utterance, Whisper as the product
-sets it up, and the interpreter without a language model. Voices, noises and the room are the held
-out halves of `training.acoustics`: nothing was tuned with them, and of some kinds of noise nothing
-was ever heard. An utterance is over after a fixed silence. "right" is done as meant, unasked;
-"asked" is asked back about what was meant; a wrong motion is begun unasked and was not meant.
-Voices behind the speaker make utterances of their own: each is a turn, as in the product, and all
-count.
+Sound passes voice activity, the end of an utterance (a fixed silence), Whisper with the product's
+adapter, and the interpreter without a language model. Voices, noises and the room are held out of
+`training.acoustics`. "right" is done as meant, unasked; "asked" is asked back about the right call;
+a wrong motion begins unasked and was not meant. Voices behind the speaker count as utterances.
 
-Beside it what is said near the robot and is no order, in the same noise, and what is heard where
-nobody speaks: noise alone, in pieces as if each were an utterance, which is far more than voice
-activity lets through.
+Talk that is no order is played in the same noise. Noise alone is cut into pieces that each count as
+an utterance, far more than voice activity lets through.
 """
 
 import itertools

@@ -1,17 +1,15 @@
 """Real people: orders to a coffee machine, a wake word, and words that are no stop words.
 
-`EDGEVOX_PEOPLE` names a folder of recordings with an `index.jsonl`: in `orders/` spoken orders,
-each with its slots and its speaker (Picovoice's Speech-to-Intent Benchmark), in `words/` single
-words (its Wake Word Benchmark), in `noise/` a kitchen and a gym. Without it this benchmark ends
-with a line that says so.
+`EDGEVOX_PEOPLE` names a folder with `index.jsonl`: `orders/` has spoken orders with their slots and
+speakers (Picovoice's Speech-to-Intent Benchmark), `words/` single words (its Wake Word Benchmark),
+`noise/` a kitchen and a gym.
 
-Half of the speakers are held out and reported; the others (`Half.TUNING`) are for choosing
-thresholds and weights. An order is mixed with noise as in the published figures: scaled by the
-loudest 128 ms of both. It takes the way that sound takes: voice activity, the end of an utterance,
-Whisper as the product sets it up, and the interpreter, for the robot file `barista.yaml`. "right"
-is the whole order, done without a question; "wrong" is another order, done without a question. A
-transcript is right if each slot's words are in it. Beside it stands the same Whisper model without
-the product's adapter.
+Half of the speakers are held out and reported; the others (`Half.TUNING`) choose thresholds and
+weights. Noise is mixed as in the published figures: scaled by the loudest 128 ms of both. Sound
+passes voice activity, the end of an utterance, the product's Whisper, and the interpreter for the
+robot file `barista.yaml`. "right" is the whole order, unasked; a wrong motion is another order,
+unasked. A transcript is right if it has each slot's words; beside it stands the same Whisper
+without the product's adapter.
 """
 
 import argparse

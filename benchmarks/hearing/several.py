@@ -1,15 +1,11 @@
 """Five robots in one hall hear the same person: which of them answers.
 
-Each robot is a process of its own with the real listener and the real ROS 2 node, on one machine.
-The hall is simulated: another size, reverberation and arrangement in each round, robots at least
-2 m apart, a person 0.5 to 1.2 m from one of them and at least 1 m farther from all others. The
-noise of the hall is the same at all microphones within 0.5 dB; they are up to 3 dB more or less
-sensitive. People are voices that were held out. **Speech to text is a stand-in**, which takes 0.3
-to 0.8 s and finds the words: five at once would need more cores than this machine has. In some
-rounds the nearest robot is killed within 0.4 s after it claimed the utterance.
-
-How often the nearest is also the one at which the voice stands out most is a matter of the noise:
-that is computed of many halls, without processes.
+Each robot is a process with the real listener and ROS 2 node, on one machine. The hall is simulated
+and changes with each round: robots at least 2 m apart, a held-out voice 0.5 to 1.2 m from one of
+them and at least 1 m farther from the others, noise equal within 0.5 dB, sensitivity within 3 dB.
+**Speech to text is a stand-in** that takes 0.3 to 0.8 s and finds the words: five at once need more
+cores than this machine has. In some rounds the nearest robot is killed within 0.4 s after its
+claim. The last table is computed for many halls, without processes.
 """
 
 import contextlib

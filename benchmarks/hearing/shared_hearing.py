@@ -1,9 +1,9 @@
-"""One server that hears for 1 to 20 robots, and what a hanging one costs.
+"""One server that hears for 1 to 20 robots, and the cost of a server that hangs.
 
-The server stands in for a graphics card: it takes `CARD_S` for a sentence, one at a time. Each
-robot says a sentence of three seconds and, five seconds after its words came, the next. What is on
-board takes `ON_BOARD_S` and says that it was on board. At the end a real wyoming-faster-whisper is
-halted (SIGSTOP): the first sentence of each robot shows what that costs beyond what is on board.
+The server stands in for a GPU: it takes 0.2 s for a sentence, one at a time. Each robot says a
+sentence of three seconds, and the next one five seconds after its words. The stand-in for the model
+on board marks its answers. At the end a real wyoming-faster-whisper is halted (SIGSTOP): the first
+sentence of each robot shows what that costs.
 """
 
 import os

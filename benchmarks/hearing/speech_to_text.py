@@ -1,7 +1,6 @@
-"""Our speech to text beside plain faster-whisper, on the same sound in the same run.
+"""EdgeVox's speech to text beside plain faster-whisper, on the same sound, by turns.
 
-Plain is `WhisperModel.transcribe` twice: with the library's defaults, and with the options that we
-give it, which leaves what our own layer costs. The rounds take turns.
+Plain is `WhisperModel.transcribe`, with the library's defaults and with EdgeVox's options.
 """
 
 import time

@@ -1,13 +1,10 @@
-"""Real people, told by their voice: how often a guest is taken for a person of the house.
+"""Real people told by their voice: how often a guest is taken for a known person.
 
-`EDGEVOX_PEOPLE` names the recordings, as for `people`. Each speaker with more than three orders is
-enrolled with three of them, in quiet, twenty times; the others are theirs, and all orders of other
-speakers are guests'. At the equal error as many of the one are refused as of the other are taken.
-The half of the speakers that is held out is reported; the product's threshold was chosen with the
-other (`--tuning`).
-
-**Who speaks is a label that a speaker encoder gave these recordings**, not a name, so the figures
-flatter.
+Each speaker of `EDGEVOX_PEOPLE` (see `people`) with more than three orders is enrolled twenty times
+with three of them, in quiet; all orders of other speakers are guests'. At the equal error, both
+kinds of mistake are as frequent. The held-out half of the speakers is reported; the other half
+(`--tuning`) chose the threshold. **A speaker encoder labelled the speakers of these recordings**,
+so the figures flatter.
 """
 
 import argparse

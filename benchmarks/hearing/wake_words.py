@@ -1,9 +1,8 @@
-"""Wake words, both engines side by side: misses, false alarms, and the share of a core.
+"""Wake words, both engines: misses, false alarms, and the share of a core.
 
-Kokoro's and espeak-ng's voices say the phrases, 60 calls, quiet and in white noise 10 dB below
-them. What is not the phrase is the speech of `stop_words`: sentences by held-out voices of both,
-slower and faster, three of five in a room. How many hours of it is told as a figure; the engine
-that takes thirty times as much hears less.
+Kokoro's and espeak-ng's voices say the phrases in 60 calls, in quiet and in white noise at 10 dB.
+False alarms are counted in the speech of `stop_words`: held-out voices of both, slower and faster,
+three of five in a room. The engine that takes thirty times as much hears less of it.
 """
 
 import time

@@ -1,7 +1,6 @@
-"""How fast every body's world is, and what our layer adds to its simulator.
+"""How fast every body's world is, and what EdgeVox adds to its simulator.
 
-Every body and its simulator alone are measured in the same run, in time of the processor: several
-threads and other programs share a machine.
+Each body and its simulator alone run in the same run, in CPU time.
 """
 
 import re

@@ -1,11 +1,9 @@
-"""How long agents of one domain take to find each other, and what it costs, by their number.
+"""How long agents of one domain take to find each other, and the cost, by their number.
 
-Multicast beside two discovery servers. Each agent is a process of its own, all in a network
-namespace of their own, where what is sent is counted (a multicast once). **They are stand-ins**:
-nodes with as many topics and services as an agent with `--llm none`, which is measured beside
-them, and nothing behind, so that no data is counted with discovery; fifty agents would also need
-more memory and cores than this machine has. All begin at once, with everything loaded, and each is
-done when its `/tf` has matched everybody's. Each number once, the two ways one after the other.
+Multicast beside two discovery servers, once for each number. Each agent is a process in a network
+namespace that counts what is sent (a multicast once). **Agents are stand-ins**: nodes with the
+topics and services of an agent with `--llm none`, which is measured beside them, and no data. All
+start at once; each is done when its `/tf` has matched everybody's.
 """
 
 import json

@@ -1,7 +1,6 @@
-"""What the container's image weighs and how fast it comes up.
+"""The size of the container's image, and how fast it comes up.
 
-Needs an engine and the image, and its stages in the engine's build cache: what rebuilding costs is
-measured by rebuilding.
+Needs an engine, the image, and its stages in the engine's build cache.
 """
 
 import json

@@ -1,11 +1,10 @@
-"""Recordings through kills and a store that fails: what is published, written, and in the store.
+"""Recordings through kills and a failing store: what is published, written, and stored.
 
-A peer publishes numbered messages, 100 a second with a pause now and then, to `edgevox-recorder`,
-in files of 1 MB. The loop of compose/recordings.yml uploads them with rclone to an S3 server, moto.
-Every ten seconds one of them fails: the recorder is killed, the uploader is killed, the server does
-not answer for four seconds. At the end the store is read with rosbags, which wrote none of it, and
-with mcap's reader, which checks all sums; each of its files is compared with the recorder's. A
-message may be missing only around a kill of the recorder. Needs rclone, and moto's server.
+A peer publishes numbered messages at 100 Hz, with pauses, to `edgevox-recorder`, in files of 1 MB.
+The loop of compose/recordings.yml uploads them with rclone to moto, an S3 server. Every ten seconds
+the recorder is killed, the uploader is killed, or the server is silent for four seconds. rosbags
+and mcap's reader then read the store and check all sums; each file is compared with the recorder's.
+A message may be missing only around a kill of the recorder. Needs rclone and moto's server.
 """
 
 import hashlib

@@ -1,4 +1,4 @@
-"""What ROS 2 costs: messages, round trips, an idle robot, images; beside plain rclpy.
+"""What ROS 2 costs beside plain rclpy: messages, round trips, an idle robot, images.
 
 Peers are processes of their own, as on a real robot.
 """

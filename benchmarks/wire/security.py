@@ -1,10 +1,9 @@
-"""What DDS security costs a message: a round trip between enclaves beside one without security.
+"""What DDS security adds to a round trip.
 
-Two nodes of plain rclpy, each a process of its own, on loopback by UDP: one has the enclave of an
-operator's tools, the other that of a robot, and answers each text with the same. The same two
-without security are beside them on a domain of their own, and both pairs take turns. All is
-encrypted and authenticated, as `edgevox-security` sets it up. It needs a Fast DDS that was built
-with security, as in the official image: `tests/ros2/with_secure_dds` has one for tests.
+Two processes of plain rclpy echo texts over UDP on loopback, encrypted and authenticated as
+`edgevox-security` sets it up: one has a `tools` enclave, the other a `robot` enclave. A pair
+without security takes turns with them on another domain. Needs a Fast DDS with security, as in the
+official image; `tests/ros2/with_secure_dds` has one for tests.
 """
 
 import os

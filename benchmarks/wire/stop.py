@@ -1,8 +1,8 @@
-"""How soon a robot stands, by every way to say so, whatever it is busy with: seen over ROS 2.
+"""How soon a robot stands, by every way to stop it, whatever it is doing: seen over ROS 2.
 
-From the word on its way to zero velocity heard by a peer, 100 times a second. For a process that
-is frozen for 3 s, from the moment in which it goes on. The model is a server that never comes to an
-end. Starved means: on one core, shared with a program that takes all it gets.
+From sending the word to zero velocity at a peer, which hears it 100 times a second. Frozen: for
+3 s, timed from when the process continues. Generating: a model server that never ends its answer.
+Starved: on one core, beside a program that takes all it gets.
 """
 
 import time

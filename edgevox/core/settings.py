@@ -1,7 +1,8 @@
 """The settings: one model, validated once, with the field's name in every error.
 
 Sources, each overruling the one before: the defaults below, a TOML file, ``EDGEVOX_*`` variables,
-command line flags, and, on a running node, ROS 2 parameters.
+command line flags, and, on a running node, ROS 2 parameters. In a container,
+`apps/container/environment.py` checks the variables first.
 
 Validators add the rules that a type cannot express, with messages for people. Old names of settings
 go on working as flags, variables and TOML keys: a field's ``json_schema_extra`` has `old_name` for

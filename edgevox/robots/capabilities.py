@@ -158,7 +158,7 @@ class Body(Protocol):
 
 @runtime_checkable
 class HasPose(Protocol):
-    """Knows where it is and how it moves."""
+    """Knows where it is and how it moves: `/tf`, `pose`, `odom`."""
 
     def pose(self) -> Pose2D: ...
 
@@ -167,7 +167,7 @@ class HasPose(Protocol):
 
 @runtime_checkable
 class TakesVelocity(Protocol):
-    """Follows a stream of velocities; halts when the stream stops for 0.5 s."""
+    """Follows `cmd_vel`, a stream of velocities; halts when the stream stops for 0.5 s."""
 
     max_linear_m_s: float
     max_angular_rad_s: float
@@ -182,7 +182,7 @@ SpeedLimit = Callable[[Twist2D], Twist2D]
 
 @runtime_checkable
 class LimitsSpeed(Protocol):
-    """Drives no faster by itself than somebody else permits."""
+    """Keeps to the speed limit of a policy when it drives by itself."""
 
     def limit_speed(self, limit: SpeedLimit) -> None:
         """From now on, steer drives by no velocity but what this permits."""
@@ -190,7 +190,7 @@ class LimitsSpeed(Protocol):
 
 @runtime_checkable
 class AvoidsPlaces(Protocol):
-    """Plans its own ways, and none through a place that somebody else forbids."""
+    """Plans its own ways, and none through a place that a policy forbids."""
 
     def avoid_places(self, forbidden: Callable[[], Collection[str]]) -> None:
         """From now on, drive round the places that this names; it is asked again and again."""
@@ -198,7 +198,7 @@ class AvoidsPlaces(Protocol):
 
 @runtime_checkable
 class CountsHalts(Protocol):
-    """Counts how often a stream of velocities stopped without having asked for a stand."""
+    """Counts the halts by its watchdog, for the metrics."""
 
     @property
     def watchdog_halts(self) -> int:
@@ -207,7 +207,7 @@ class CountsHalts(Protocol):
 
 @runtime_checkable
 class DrivesTo(Protocol):
-    """Plans and drives to a point by itself."""
+    """Plans and drives to a point by itself: `goal_pose`."""
 
     def drive_to(self, x_m: float, y_m: float, *, token: CancelToken, report: Report) -> None:
         """Block until there. Raises `SkillFailed` with a reason, `Cancelled` if the token is."""
@@ -215,7 +215,7 @@ class DrivesTo(Protocol):
 
 @runtime_checkable
 class ChecksGoals(Protocol):
-    """Knows at once of a point that no drive could ever lead there."""
+    """Rejects a goal outside of its world at once."""
 
     def check_goal(self, x_m: float, y_m: float) -> None:
         """Raise `SkillFailed` with the reason. Quick, and nothing happens."""
@@ -223,7 +223,7 @@ class ChecksGoals(Protocol):
 
 @runtime_checkable
 class TellsAbout(Protocol):
-    """Says of itself what nobody knows of its kind: its name, and what it is for."""
+    """Tells the language model its name and its purpose."""
 
     @property
     def about(self) -> str:
@@ -232,7 +232,7 @@ class TellsAbout(Protocol):
 
 @runtime_checkable
 class HasPlaces(Protocol):
-    """Knows places by name."""
+    """Knows places by name: "go to the press", "where are you"."""
 
     @property
     def places(self) -> Mapping[str, tuple[float, float]]:
@@ -244,7 +244,7 @@ class HasPlaces(Protocol):
 
 @runtime_checkable
 class KnowsFrame(Protocol):
-    """Has poses in the frame that there is: of a map, or of odometry as long as there is none."""
+    """Has poses in the frame of a map, or in that of odometry while there is none."""
 
     def located(self) -> tuple[Pose2D, str]:
         """Where it is, and in which frame. Raises `SkillFailed` while that is unknown."""
@@ -261,14 +261,14 @@ class RemembersPlaces(Protocol):
 
 @runtime_checkable
 class HasLidar(Protocol):
-    """Measures distances all around."""
+    """Measures distances all around: `scan`, and its frame on `/tf_static`."""
 
     def scan(self) -> LidarScan: ...
 
 
 @runtime_checkable
 class HasEndEffector(Protocol):
-    """Has a hand whose place it knows."""
+    """Has a hand whose place it knows: `ee_link` on `/tf`."""
 
     def end_effector(self) -> Pose3D:
         """The hand in the map frame."""
@@ -276,7 +276,7 @@ class HasEndEffector(Protocol):
 
 @runtime_checkable
 class HasCamera(Protocol):
-    """Sees."""
+    """Has a camera: `image_raw`, `camera_info`."""
 
     @property
     def camera_spec(self) -> CameraSpec:
@@ -288,7 +288,7 @@ class HasCamera(Protocol):
 
 @runtime_checkable
 class ReceivesPictures(Protocol):
-    """Hears what a camera publishes that others run."""
+    """Receives the pictures of a camera outside EdgeVox, for the console."""
 
     def newest_picture(self) -> NDArray[np.uint8] | None:
         """Shape (height, width, 3), RGB; None if none came in the last second.
@@ -299,7 +299,7 @@ class ReceivesPictures(Protocol):
 
 @runtime_checkable
 class ReceivesMap(Protocol):
-    """Hears the map that others make of where it is."""
+    """Receives a map from outside EdgeVox, for the console."""
 
     def newest_map(self) -> OccupancyMap | None:
         """In the frame of its pose; None while there is none. May take long where it is another.
@@ -310,7 +310,7 @@ class ReceivesMap(Protocol):
 
 @runtime_checkable
 class HasPicture(Protocol):
-    """Can show itself in its surroundings, for people."""
+    """Draws itself in its surroundings, for `--snapshot` and the window."""
 
     def picture(self) -> NDArray[np.uint8]:
         """The scene as it is now, shape (height, width, 3), RGB."""
@@ -318,7 +318,7 @@ class HasPicture(Protocol):
 
 @runtime_checkable
 class Advances(Protocol):
-    """Its time need not be real time: it can be made to pass."""
+    """Lets its time pass faster than real time, for scenarios."""
 
     def advance(self, seconds: float) -> None:
         """Block until this much of the body's time has passed, or it is closed."""
@@ -335,7 +335,7 @@ class TellsMotions(Protocol):
 
 @runtime_checkable
 class HasBattery(Protocol):
-    """Runs on a charge that gets less."""
+    """Knows its charge: "how full is your battery"."""
 
     def battery(self) -> float:
         """Charge left, 0 to 1. Raises `SkillFailed` while a robot does not tell it."""
@@ -351,7 +351,7 @@ class KnowsPowerDraw(Protocol):
 
 @runtime_checkable
 class MeasuresWays(Protocol):
-    """Plans its own ways, and knows how long one is before it drives."""
+    """Knows how long its way to a point is: "how far is the press"."""
 
     def way_m(self, x_m: float, y_m: float) -> float:
         """Metres of the way to a point, from here. Raises `SkillFailed` where no way leads."""
@@ -359,7 +359,7 @@ class MeasuresWays(Protocol):
 
 @runtime_checkable
 class FromFile(Protocol):
-    """Is described by a file of its owner."""
+    """Is described by a file; `--check` names the skills and sentences in it that cannot work."""
 
     @property
     def skills_off(self) -> Mapping[str, str]:
@@ -406,7 +406,7 @@ class TellsConditions(Protocol):
 
 @runtime_checkable
 class HasMap(Protocol):
-    """Can show its surroundings without a display."""
+    """Draws its surroundings as text, for `/map`."""
 
     def draw_map(self, columns: int) -> str:
         """The world and the robot as text, this many columns wide."""

@@ -169,7 +169,13 @@ PUBLISHED: tuple[Published, ...] = (
         _written,
         "the full answer, including lists that are too long to speak",
     ),
-    Published("state", Qos.STATE, StateChanged, _state, "state of the conversation"),
+    Published(
+        "state",
+        Qos.STATE,
+        StateChanged,
+        _state,
+        "listening (also while it drives), transcribing, thinking, speaking or interrupted",
+    ),
     Published(
         "audio_level",
         Qos.SENSOR,

@@ -172,7 +172,7 @@ AUDIO: tuple[StandardTopic, ...] = (
         "edgevox_msgs/msg/AudioData",
         "in",
         lossy(5),
-        "a microphone: 16 kHz mono, 16 bit little-endian, up to 1 s a message; best effort",
+        "a microphone: 16 kHz mono, 16 bit little-endian, up to 1 s a message",
         "--audio-in ros2",
     ),
     StandardTopic(
@@ -180,7 +180,7 @@ AUDIO: tuple[StandardTopic, ...] = (
         "edgevox_msgs/msg/AudioData",
         "out",
         reliable(10),
-        "a loudspeaker: the same format, up to 40 ms a message, sent 60 ms early; reliable",
+        "a loudspeaker: the same format, up to 40 ms a message, sent 60 ms early",
         "--audio-out ros2",
     ),
 )

@@ -11,7 +11,6 @@ from docs import bodies, bounds, operating, ros2, talking, weights
 TABLES: Mapping[str, Callable[[], str]] = {
     make.__name__: make
     for make in (
-        bodies.protocols,
         bounds.bounds,
         operating.alerts,
         operating.checks,
@@ -19,25 +18,17 @@ TABLES: Mapping[str, Callable[[], str]] = {
         operating.environment,
         operating.logs,
         operating.metrics,
-        operating.more_environment,
-        ros2.action,
         ros2.agent_events,
-        ros2.audio,
-        ros2.diagnostics,
         ros2.external,
-        ros2.group,
         ros2.interop,
-        ros2.launch,
-        ros2.launch_arguments,
+        ros2.more,
         ros2.parameters,
         ros2.published,
         ros2.qos,
         ros2.queries,
-        ros2.shared,
         ros2.subscribed,
         talking.endings,
         talking.languages,
-        talking.states,
         talking.turn,
         talking.wake_words,
         weights.not_commercial,
@@ -45,7 +36,7 @@ TABLES: Mapping[str, Callable[[], str]] = {
     )
 } | {
     f"{make.__name__}_{robot}": partial(make, robot)
-    for make in (bodies.skills, bodies.state, bodies.topics)
+    for make in (bodies.skills, bodies.state)
     for robot in bodies.TOLD[make.__name__]
 }
 """By the name that stands where each belongs on a page; those of a robot end in its name."""

@@ -1,14 +1,12 @@
-"""The tables of docs/robots.md and docs/your-robot.md: skills, states, what bodies can do."""
+"""The tables of docs/robots.md: skills, states and topics of each body."""
 
 from collections.abc import Mapping
-from typing import Protocol
 
 from docs.markdown import code, table
 from docs.told import TOLD, told
 from edgevox.agent.skills import SkillSet
 from edgevox.agent.skills.skill import OneOf
-from edgevox.robots import capabilities
-from edgevox.robots.navigation import LOCATION, navigation_skills
+from edgevox.robots.navigation import navigation_skills
 from edgevox.robots.panda.skills import manipulation_skills
 from edgevox.robots.places.memory import PlaceMemory
 from edgevox.robots.relative_skills import driving_skills, walking_skills
@@ -46,14 +44,8 @@ SKILLS: Mapping[str, SkillSet] = {
     ),
     "panda": SkillSet(manipulation_skills(Elsewhere())),
     "humanoid": SkillSet(walking_skills(Elsewhere())),
-    "external": SkillSet(
-        [
-            *navigation_skills(Apartment(), word=LOCATION, memory=PlaceMemory("external", ROOMS)),
-            *driving_skills(Elsewhere()),
-        ]
-    ),
 }
-"""The skills of each robot, without the robot."""
+"""The skills of each robot, without the robot; robot-irsim and robot-external have the first."""
 
 
 def skills(robot: str) -> str:
@@ -71,34 +63,8 @@ def skills(robot: str) -> str:
 
 
 def state(robot: str) -> str:
-    """The keys of `robot_state`; a test holds them against each body."""
+    """The keys of `robot_state`, and the standard topics; a test holds them against each body."""
     rows = ((code(keys.split(", ")), what) for keys, what in TOLD["state"][robot].items())
-    return table(("`robot_state`", "what"), rows)
-
-
-def topics(robot: str) -> str:
-    """The standard topics of a body; a test holds them against each."""
-    return f"On ROS 2: {code(TOLD['topics'][robot])}.\n"
-
-
-def protocols() -> str:
-    """What a body can do, one small protocol each."""
-    entries = told(PROTOCOLS, "capabilities")
-    rows = (
-        (f"`{name}`", code(_methods(PROTOCOLS[name])), brings) for name, brings in entries.items()
-    )
-    return table(("protocol", "its methods", "what it brings"), rows)
-
-
-def _methods(protocol: type) -> list[str]:
-    own = [*vars(protocol), *protocol.__annotations__]
-    return [name for name in dict.fromkeys(own) if not name.startswith("_")]
-
-
-PROTOCOLS: Mapping[str, type] = {
-    name: one
-    for name, one in vars(capabilities).items()
-    if isinstance(one, type) and issubclass(one, Protocol)
-    if one.__module__ == capabilities.__name__ and name != "Body"
-}
-"""What a body may be able to do; `Body` itself is told in words."""
+    topics = TOLD["topics"].get(robot)
+    told = f"\nOn ROS 2: {code(topics)}.\n" if topics else ""
+    return table(("`robot_state`", "what"), rows) + told

@@ -1,7 +1,7 @@
 """The tables of docs/deployment.md and docs/monitoring.md, for those who operate a robot."""
 
 import tomllib
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from functools import cache
 from importlib.resources import files
 from pathlib import Path
@@ -12,7 +12,7 @@ from pydantic import BaseModel, ConfigDict, TypeAdapter
 from docs.components import COMPONENTS
 from docs.markdown import table
 from docs.told import told
-from edgevox.apps.container import ENVIRONMENT, Variable
+from edgevox.apps.container import ENVIRONMENT
 from edgevox.apps.doctor.checks import CHECKS
 from edgevox.ops.metrics.metric_table import METRICS
 
@@ -32,12 +32,9 @@ def checks() -> str:
 
 def environment() -> str:
     """The variables of the container."""
-    return _variables(row for row in ENVIRONMENT.values() if row.listed)
-
-
-def more_environment() -> str:
-    """The variables of all other settings."""
-    return _variables(row for row in ENVIRONMENT.values() if not row.listed)
+    rows = ENVIRONMENT.values()
+    cells = ((f"`{row.variable}`", row.default_text, row.sentence, row.values) for row in rows)
+    return table(("variable", "default", "what", "values"), cells)
 
 
 def metrics() -> str:
@@ -90,8 +87,3 @@ def logs() -> str:
         for name, one in log_events().items()
     )
     return table(("event", "level", "when", "fields"), rows)
-
-
-def _variables(rows: Iterable[Variable]) -> str:
-    cells = ((f"`{row.variable}`", row.default_text, row.sentence, row.values) for row in rows)
-    return table(("variable", "default", "what", "values"), cells)

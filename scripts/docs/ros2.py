@@ -1,17 +1,13 @@
-"""The tables of docs/ros2.md: from `edgevox.ros2.contract`, and from the launch files."""
+"""The tables of docs/ros2.md, from `edgevox.ros2.contract`."""
 
-import ast
 from collections.abc import Iterable
 from dataclasses import fields
-from pathlib import Path
 from typing import get_args
 
 from docs.markdown import first_line, table
 from edgevox.core.agent_events import AgentEvent, keys
 from edgevox.ros2 import contract, standard_topics
 from edgevox.ros2.contract_rows import Published, Qos, QosSpec, Shared, Subscribed
-
-LAUNCH = Path(__file__).resolve().parents[2] / "launch"
 
 
 def qos() -> str:
@@ -115,70 +111,22 @@ def external() -> str:
     return table(("topic", "direction", "type", "QoS, depth", "what", "when"), rows)
 
 
-def audio() -> str:
-    """Sound on the wire."""
-    rows = (
-        (f"`{one.topic}`", one.direction, f"`{one.type}`", one.about, f"`{one.needs}`")
+def more() -> str:
+    """Sound, the state of the components, and what agents and robots say to each other."""
+    rows = [
+        (f"`{one.topic}`", one.direction, f"`{one.type}`", _quality(one.qos), "", _needed(one))
         for one in standard_topics.AUDIO
-    )
-    return table(("topic", "direction", "type", "what", "when"), rows)
+    ]
+    for other in (contract.DIAGNOSTICS, *contract.SHARED, contract.HEARERS):
+        direction = other.direction if isinstance(other, Shared) else "out"
+        rate = f"{other.rate_hz:g} Hz" if other.rate_hz else ""
+        named = (f"`{other.topic}`", direction, f"`{other.type}`", _quality(other.qos.value))
+        rows.append((*named, rate, other.about))
+    return table(("topic", "direction", "type", "QoS, depth", "rate", "what"), rows)
 
 
-def diagnostics() -> str:
-    """How the components are, on the wire."""
-    one = contract.DIAGNOSTICS
-    row = (f"`{one.topic}`", f"`{one.type}`", f"`{one.qos.name.lower()}`", f"{one.rate_hz:g} Hz")
-    return table(("topic", "type", "QoS", "rate", "what"), [(*row, one.about)])
-
-
-def shared() -> str:
-    """What the agents of one namespace say to each other."""
-    return _between(*contract.SHARED)
-
-
-def group() -> str:
-    """What the robots of a group say to each other."""
-    return _between(contract.HEARERS)
-
-
-def _between(*these: Shared) -> str:
-    rows = (
-        (
-            f"`{one.topic}`",
-            one.direction,
-            f"`{one.type}`",
-            f"`{one.qos.name.lower()}`",
-            f"{one.rate_hz:g} Hz" if one.rate_hz else "",
-            one.about,
-        )
-        for one in these
-    )
-    return table(("topic", "direction", "type", "QoS", "rate", "what"), rows)
-
-
-def action() -> str:
-    """The one action."""
-    name, kind = contract.ACTION
-    return table(("action", "type"), [(f"`{name}`", f"`{kind}`")])
-
-
-def launch() -> str:
-    """The launch files."""
-    files = sorted(LAUNCH.glob("*.launch.py"))
-    rows = (
-        (f"`{file.name}`", ast.get_docstring(ast.parse(file.read_text(encoding="utf-8"))))
-        for file in files
-    )
-    return table(("launch file", "what"), ((name, first_line(about)) for name, about in rows))
-
-
-def launch_arguments() -> str:
-    """What all launch files take."""
-    for node in ast.parse((LAUNCH / "edgevox.launch.py").read_text(encoding="utf-8")).body:
-        if isinstance(node, ast.Assign) and ast.unparse(node.targets[0]) == "ARGUMENTS":
-            arguments = ast.literal_eval(node.value)
-    rows = ((f"`{name}`", about) for name, about in arguments.items())
-    return table(("argument", "what"), rows)
+def _needed(one: standard_topics.StandardTopic) -> str:
+    return f"{one.about}; with `{one.needs}`"
 
 
 def _topics(rows: Iterable[Published | Subscribed]) -> str:

@@ -1,10 +1,9 @@
-"""The tables of docs/talking.md: languages, wake words, states, what a turn took."""
+"""The tables of docs/talking.md: languages, wake words, ends of utterances, what a turn took."""
 
 from docs.markdown import code, table
 from docs.told import told
-from edgevox.agent.turn import TRANSITIONS
 from edgevox.apps.agent.voice import MODELS, phrases
-from edgevox.core.events import State, TurnMeasured
+from edgevox.core.events import TurnMeasured
 from edgevox.core.languages import LANGUAGES, Language
 from edgevox.core.speech import Ending
 from edgevox.models.manifest import builtin_manifest
@@ -59,15 +58,6 @@ def endings() -> str:
         for ending, (what, *silence) in entries.items()
     )
     return table(("what was said so far", "silence that ends it"), rows)
-
-
-def states() -> str:
-    """What the conversation can be doing, and what can follow."""
-    rows = (
-        (f"`{state}`", what, code(one for one in State if one in TRANSITIONS[State(state)]))
-        for state, what in told(State, "conversation").items()
-    )
-    return table(("state", "what", "goes to"), rows)
 
 
 def turn() -> str:

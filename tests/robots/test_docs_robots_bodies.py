@@ -26,6 +26,7 @@ TOPICS = {
 }
 ENTRIES = {"robot-irsim": "apartment"}
 """The robots that share a part of the page with another one."""
+SAME_SKILLS = {"external": "apartment"}
 
 
 @pytest.fixture(
@@ -42,6 +43,11 @@ def body(request):
 def entry(body):
     """What its part of the page is called in scripts/docs/told.toml."""
     return ENTRIES.get(body.name, body.name.removeprefix("robot-"))
+
+
+def test_it_has_the_skills_that_the_page_lists(body, entry):
+    told = TOLD["skills"][SAME_SKILLS.get(entry, entry)]
+    assert {skill.name for skill in body.skills} == set(told)
 
 
 def test_its_state_has_the_keys_that_the_page_lists(body, entry):

@@ -13,8 +13,8 @@ pytestmark = pytest.mark.long
 PAGE = Path(__file__).parents[2] / "docs" / "your-robot.md"
 HOUR = re.search(r"^## An hour.*?(?=^## )", PAGE.read_text("utf-8"), re.DOTALL | re.MULTILINE)[0]
 FENCES = re.findall(r"^```(\w+)\n(.*?)^```$", HOUR, re.DOTALL | re.MULTILINE)
-STAGES = [text for language, text in FENCES if language == "yaml"]
-SEEN, *DIALOGUES = [text for language, text in FENCES if language == "text"]
+(WRITTEN,) = [text for language, text in FENCES if language == "yaml"]
+SEEN, DIALOGUE = [text for language, text in FENCES if language == "text"]
 
 OF_ACTIONS = "/_action/feedback"
 
@@ -53,29 +53,27 @@ def test_the_robot_shows_what_the_page_says_that_one_sees(robot, peer):
     wait_until(lambda: shown <= seen(), SEEN)
 
 
-def test_the_file_is_whole_at_every_stage(agent, file):
-    assert len(STAGES) == len(DIALOGUES) == 4
-    for number in range(len(STAGES)):
-        file.write_text("\n".join(STAGES[: number + 1]))
-        checked = agent(f"--robot-file={file}", "--check", robot="robot-external", wait=False)
-        for name, about in re.findall(
-            r"^  (\w+):\n    description: (.*)$", STAGES[number], re.MULTILINE
-        ):
-            checked.wait_for_line(f"{name}: {about}")
+def test_the_check_lists_every_skill_of_the_file(agent, file):
+    file.write_text(WRITTEN)
+    checked = agent(f"--robot-file={file}", "--check", robot="robot-external", wait=False)
+    skills = re.findall(r"^  (\w+): .*\n    description: (.*)$", WRITTEN, re.MULTILINE)
+    assert len(skills) == 4
+    for name, about in skills:
+        checked.wait_for_line(f"{name}: {about}")
 
 
 def test_a_typing_error_is_told_as_the_page_tells_it(agent, file):
-    file.write_text(STAGES[0].replace("field: temperature", "field: warmth"))
+    file.write_text(WRITTEN.replace("field: temperature", "field: warmth"))
     said = re.search(r"\*(expected a path.*?)\*", HOUR, re.DOTALL)[1].replace("\n", " ")
     agent(f"--robot-file={file}", "--check", robot="robot-external", wait=False).wait_for_line(said)
 
 
 def test_the_conversation_is_had(agent, robot, peer, file):
-    file.write_text("\n".join(STAGES))
+    file.write_text(WRITTEN)
     agent(f"--robot-file={file}", robot="robot-external")
     talk, asked = Talk(peer()), Asked(peer(NAMESPACE))
     asked.do("open")
-    for said, answers in (one for dialogue in DIALOGUES for one in exchanges(dialogue)):
+    for said, answers in exchanges(DIALOGUE):
         talk.say(said, *answers)
     asked.wait("dock", ["slot 4", "{}"])
     asked.do("hang")

@@ -1,9 +1,8 @@
-"""What else might help with commands in noise, each beside what the product does.
+"""Other ways to help commands in noise, each beside the product.
 
-WebRTC's noise suppression and its gain control take all that the microphone hears, before voice
-activity and Whisper; `whisper-base` is the next larger model that the product has, without an
-adapter. The commands are those of `noise`, by voices that tune and in their noises and rooms, as
-one way is chosen here, each by each voice, at 10 dB and at 5 dB.
+WebRTC's noise suppression and gain control process all sound before voice activity; `whisper-base`
+is the next larger model, without an adapter. The commands of `noise`, by the tuning voices in their
+noises and rooms, at 10 dB and at 5 dB.
 """
 
 import itertools

@@ -1,10 +1,10 @@
-"""How well the stop word spotter hears: what it misses, what it takes for a stop, how soon.
+"""The stop word spotter: what it misses, its false stops, and its delay.
 
-Voices, sentences, noises and rooms are those held out from its training and from the choice of its
-threshold (`training.acoustics`). A word is said with a second of what is around before it and after
-it; speech without stop words goes on for hours. The 95 % intervals are Wilson's, as if no two words
-were of one voice. All clips are there or nothing is measured:
-`python -m benchmarks.hearing.stop_words.english --speak` speaks what is missing, for half an hour.
+Voices, sentences, noises and rooms are held out from its training and its threshold
+(`training.acoustics`). A second of sound is before and after each word; hours of speech have no
+stop word. The intervals are Wilson's, as if each word had its own voice. Nothing is measured unless
+all clips are there: `python -m benchmarks.hearing.stop_words.english --speak` makes them in half an
+hour.
 """
 
 import argparse

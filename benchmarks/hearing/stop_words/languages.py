@@ -1,10 +1,9 @@
-"""Stop words by their sound where another language than English is spoken: English ones, its own.
+"""Stop words by their sound in other languages: English ones, and the language's own.
 
-"Stop!" is said alone and after a name by speakers of espeak-ng in each language, who were held out
-from the spotter's training, and by Kokoro's voices of the language, which spoke English in it; what
-else is said are sentences of the tests' corpora that hold no stop word, of either language.
-In languages of which the spotter knows words, those are said by ten of Kokoro's voices and 18 of
-espeak-ng's speakers that were held out, in texts that were held out; so is what sounds like them.
+Held-out speakers of espeak-ng and Kokoro's voices of the language, which spoke English in training,
+say "Stop!" alone and after a name. The language's own stop words, and words that sound like them,
+are said by ten of Kokoro's voices and 18 of espeak-ng's speakers, in held-out texts. False stops
+are counted in sentences of the tests' corpora.
 """
 
 import itertools

@@ -1,7 +1,7 @@
-"""The whole voice: how right it hears, how soon it answers, how soon it is silent, what it costs.
+"""The whole voice: errors, time to an answer and to silence, cost.
 
 Four voices of Kokoro speak to it, ten others say the stop words, in quiet; Piper answers. The floor
-is what the parts need alone, one after another, on the same sound and words in the same run.
+is the time of the parts alone, one after another, on the same sound in the same run.
 """
 
 import itertools

@@ -1,1 +1,1 @@
-"""Skills at work: goals, the lanes in which they run, and the executor."""
+"""Skills at work: goals, the lanes that run and cancel them, and the executor that begins them."""

@@ -287,7 +287,7 @@ class Clauses:
         names: Sequence[Name],
         numbers: Sequence[Number],
     ) -> Iterator[ClauseReading]:
-        units = frozenset().union(*words.units.values()) if words.units else frozenset()
+        units = words.measures.union(*words.units.values())
         if not self._may_be_a_point(numbers):
             return
         for arguments, unitless in _assigned(words, tuple(names), tuple(numbers)):

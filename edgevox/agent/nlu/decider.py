@@ -196,6 +196,9 @@ def _is_imperative(reading: Reading, lexicon: Lexicon) -> bool:
 _SAYS_AN_ABILITY = 2.0
 """Least weight of the words for a motion that "can you ..." asks for, and not about."""
 
+_NAMES = 0.25
+"""Least weight of the words for a motion by an amount; small words of its templates have less."""
+
 _LEAST_MARGIN = 0.25
 """Least lead in weight over another skill; with less, the words choose neither skill."""
 
@@ -274,6 +277,7 @@ class Readings:
                 held_back = denied or left or _held_back(reading, facts)
                 held_back = held_back or _is_about_another_thing(reading, lexicon)
                 held_back = held_back or _asks_about_another(reading, lexicon)
+                held_back = held_back or _is_hardly_named(reading, lexicon)
                 return Judged(
                     reading,
                     facts,
@@ -423,6 +427,16 @@ def _is_about_another_thing(reading: Reading, lexicon: Lexicon) -> bool:
         part.strange >= _SEVERAL and not part.grounded
         for part in reading.parts
         if lexicon.skills[part.call.skill].relative
+    )
+
+
+def _is_hardly_named(reading: Reading, lexicon: Lexicon) -> bool:
+    """True if nothing but an amount and a small word is said for a motion by an amount.
+
+    "Up two metres" has only the "up" of "back up two metres".
+    """
+    return any(
+        part.support < _NAMES for part in reading.parts if lexicon.skills[part.call.skill].relative
     )
 
 

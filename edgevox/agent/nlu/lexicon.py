@@ -199,7 +199,8 @@ class PhraseIndex:
 
 _SYNTAX = re.compile(r"[()\[\]|{}<>]")
 _SLOT = re.compile(r"\{(\w+)\}")
-_BEHIND_SLOT = re.compile(r"\{\w+\}\s*(\([^()]*\)|\[[^\[\]]*\]|[^\s\[\](){}|]+)")
+_GROUP = r"\((?:[^()]|\([^()]*\))*\)|\[[^\[\]]*\]"
+_BEHIND_SLOT = re.compile(rf"\{{\w+\}}\s*({_GROUP}|[^\s\[\](){{}}|]+)")
 _NAME_WORDS = re.compile(r"[a-z]+")
 _WORD = re.compile(WORD)
 _FILLER_WEIGHT = 0.1
@@ -448,6 +449,6 @@ def _units(one: Skill, book: Phrasebook) -> dict[str, frozenset[str]]:
     units: dict[str, set[str]] = {}
     for template in book.templates(one):
         written = plain(book.written_out(template))
-        for match in re.finditer(r"\{(\w+)\}\s*(\([^()]*\)|\[[^\[\]]*\])?", written):
+        for match in re.finditer(rf"\{{(\w+)\}}\s*({_GROUP})?", written):
             units.setdefault(match[1], set()).update(_WORD.findall(match[2] or ""))
     return {name: frozenset(words) for name, words in units.items()}

@@ -1,1 +1,1 @@
-"""Sentences said and heard in each language, and the rules for a robot's names."""
+"""Sentences said and heard in each language (`core/languages/*.toml`), and names of robots."""

@@ -59,8 +59,6 @@ class Variable(BaseModel):
     least: int | None = None
     most: int | None = None
     unwise: UnwiseRange | None = None
-    listed: bool = True
-    """False for a variable that only follows from the settings."""
 
     @model_validator(mode="after")
     def _whole(self) -> Self:
@@ -142,7 +140,7 @@ def _load() -> Mapping[str, Variable]:
     named = {row.variable for row in rows}
     own = {ENV_PREFIX + name.upper(): name for name in Settings.model_fields}
     rows += [
-        Variable(variable=variable, setting=name, listed=False)
+        Variable(variable=variable, setting=name)
         for variable, name in own.items()
         if variable not in named
     ]
@@ -151,7 +149,6 @@ def _load() -> Mapping[str, Variable]:
             variable=ENV_PREFIX + old_name(info).upper(),
             setting=name,
             about=f"old name of {ENV_PREFIX}{name.upper()}",
-            listed=False,
         )
         for name, info in Settings.model_fields.items()
         if old_name(info)

@@ -4,7 +4,9 @@ import pytest
 from corpus_robots import skills_of_robots
 
 from edgevox.agent.nlu.decider import Judged, Readings
-from edgevox.agent.skills import Call
+from edgevox.agent.nlu.lexicon import Lexicon
+from edgevox.agent.phrases.own_names import phrasebook_of
+from edgevox.agent.skills import Call, SkillSet, skill
 
 READINGS = {name: Readings(skills, "en") for name, skills in skills_of_robots().items()}
 KITCHEN, OFFICE = (Call("navigate_to", {"room": room}) for room in ("kitchen", "office"))
@@ -103,3 +105,20 @@ def test_stopping_is_left_to_stop_words_and_templates() -> None:
     assert all(
         call.skill != "stop" for call in calls("apartment", "wait, hold on, stay, to the kitchen")
     )
+
+
+@skill(templates=("take off [[to] {height} (metres|(metre|m))]",), moves=True)
+def take_off(height: float = 2.0) -> None:
+    """Take off."""
+
+
+def test_the_unit_of_a_number_does_not_name_a_skill() -> None:
+    skills = SkillSet([take_off])
+    lexicon = Lexicon(skills, phrasebook_of("en", skills.values()))
+    assert lexicon.words["take_off"].units["height"] == {"metres", "metre", "m"}
+
+
+@pytest.mark.parametrize("text", ["fly back two metres", "up two metres", "away two metres"])
+def test_a_small_word_of_a_sentence_does_not_name_its_motion(text: str) -> None:
+    judged = read("external", text)
+    assert judged is None or judged.held_back

@@ -16,6 +16,7 @@ from benchmark_rig import (
     environment,
     found,
     front,
+    measured,
     number,
     read,
     reliability,
@@ -186,6 +187,15 @@ def test_every_benchmark_has_its_block_on_the_page_of_figures(name):
 
     assert f"<!-- figures: {name} -->" in page
     assert (render.ROOT / f"{BENCHMARKS[name].module.replace('.', '/')}.py").exists()
+
+
+@pytest.mark.parametrize("name", BENCHMARKS)
+def test_a_block_has_every_figure_and_every_table_of_its_benchmark(name):
+    block = render.block(name, read())
+
+    for figure in read().run(name).figures:
+        assert measured(figure) in block
+        assert figure.table in block
 
 
 def test_the_committed_results_can_be_read_and_hold_every_benchmark():

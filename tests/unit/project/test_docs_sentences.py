@@ -22,7 +22,7 @@ SENTENCES = [
 
 
 def test_every_robot_has_its_skills_on_the_page():
-    assert {"irsim", *SKILLS} == {one.removeprefix("robot-") for one in ROBOTS}
+    assert {"irsim", "external", *SKILLS} == {one.removeprefix("robot-") for one in ROBOTS}
 
 
 @pytest.mark.parametrize(("robot", "skill", "sentence"), SENTENCES)
