@@ -17,7 +17,7 @@ from beside import Room, Scheduling, in_turns
 from failed_subscribers import FAILED, FailedSubscribers
 from hypothesis import HealthCheck, settings
 
-from edgevox.agent.nlu.encoder import encoder
+from edgevox.agent.nlu import encoder
 from edgevox.ops.machine import return_memory
 
 # How long an example takes is the machine's business; what must be quick is a benchmark.

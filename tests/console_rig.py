@@ -12,10 +12,10 @@ import aiohttp
 
 from edgevox.agent.skills import SkillFailed
 from edgevox.agent.text.reasons import because
+from edgevox.console.certificates import Tls
 from edgevox.console.console_server import ConsoleServer
 from edgevox.console.context import ConsoleContext
 from edgevox.console.sessions import Role
-from edgevox.console.tls import Tls
 from edgevox.core.bus import Bus
 from edgevox.core.clock import Clock
 from edgevox.core.commands import Command

@@ -10,9 +10,9 @@ from typing import Any
 from guards import HUNG_S
 
 from edgevox.agent.llm.language_model import ChatMessage
-from edgevox.agent.llm.remote import Address, EndpointModel
-from edgevox.agent.llm.remote.remote_model import PAUSES_S
+from edgevox.agent.llm.remote_model import PAUSES_S, EndpointModel
 from edgevox.core.cancel import CancelToken
+from edgevox.core.servers.address import Address
 from edgevox.core.settings import GrammarDialect
 
 CHAT = [ChatMessage("system", "Be brief."), ChatMessage("user", "Where to?")]

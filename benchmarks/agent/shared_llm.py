@@ -6,18 +6,13 @@ agent's prompt and grammar, asks again five seconds after an answer, and gives u
 `llm_endpoint_timeout`.
 """
 
-import itertools
 import json
 import os
-import random
 import shutil
-import statistics
 import subprocess
 import sys
-import threading
 import time
 from collections.abc import Iterator, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack, closing, contextmanager
 from dataclasses import dataclass, field
 from http.client import HTTPConnection
@@ -29,8 +24,9 @@ from waiting import wait_until
 from benchmarks import ROOT
 from benchmarks.agent.language_model import QUESTIONS
 from benchmarks.core.figures import Figure, Measured, NotHere
+from benchmarks.core.many_robots import take_turns, waiting
 from edgevox.agent.llm.grammar import grammar
-from edgevox.agent.llm.remote.remote_model import Offer, chat_request
+from edgevox.agent.llm.remote_model import Offer, chat_request
 from edgevox.agent.nlu.interpreter import Interpreter
 from edgevox.agent.skills import NO_SKILLS
 from edgevox.apps.robots import build_agents
@@ -45,7 +41,7 @@ TABLE = "One language model for many robots"
 WAYS = {"straight": "llama-server alone", "queue": "behind the queue with a bound"}
 SECONDS = {1: 6, 2: 6, 5: 8, 10: 10, 25: 12, 50: 15}
 """How long so many robots ask."""
-PARALLEL, WAITING, WAIT_S, PAUSE_S, TOKENS = 2, 4, 4.0, 5.0, 12
+PARALLEL, WAITING, WAIT_S, TOKENS = 2, 4, 4.0, 12
 TIMEOUT_S = float(Settings.model_fields["llm_endpoint_timeout"].default)
 
 
@@ -53,15 +49,18 @@ TIMEOUT_S = float(Settings.model_fields["llm_endpoint_timeout"].default)
 class Robot:
     """What one robot saw, in seconds from a question to what ended its waiting."""
 
+    port: int
+    """The server's."""
     address: str
     answered_s: list[float] = field(default_factory=list)
     turned_away_s: list[float] = field(default_factory=list)
 
-    def ask(self, port: int, body: bytes) -> None:
+    def ask(self, body: bytes) -> None:
         """One question, to the end of its answer, or until it is turned away."""
         began_s = time.monotonic()
         where = (self.address, 0)
-        with closing(HTTPConnection("127.0.0.1", port, TIMEOUT_S, source_address=where)) as server:
+        door = HTTPConnection("127.0.0.1", self.port, TIMEOUT_S, source_address=where)
+        with closing(door) as server:
             try:
                 server.request("POST", "/v1/chat/completions", body)
                 reply = server.getresponse()
@@ -83,12 +82,12 @@ def measure(quick: bool = False) -> Measured:
         server = stack.enter_context(_server())
         ports = {"straight": server, "queue": stack.enter_context(_door(haproxy, server))}
         for body in bodies[:PARALLEL]:  # the prompt is read once for all, as a robot primes it
-            Robot("127.0.0.1").ask(server, body)
+            Robot(server, "127.0.0.1").ask(body)
         for count, seconds in [(1, 2), (5, 3)] if quick else SECONDS.items():
             for way, port in ports.items():
-                began_s = time.monotonic()
-                robots = _drive(port, bodies, count, seconds)
-                figures += _figures(way, robots, time.monotonic() - began_s)
+                robots = [Robot(port, f"127.0.1.{number}") for number in range(1, count + 1)]
+                lasted_s = take_turns(robots, bodies, seconds, Robot.ask)
+                figures += _figures(way, robots, lasted_s)
     return Measured(figures=tuple(figures))
 
 
@@ -98,25 +97,6 @@ def _questions() -> list[bytes]:
     offer, rules = Offer(MODEL, "llama-server"), grammar(NO_SKILLS)
     chats = [interpreter.chat(one) for one in QUESTIONS]
     return [json.dumps(chat_request(offer, one, rules, TOKENS)).encode() for one in chats]
-
-
-def _drive(port: int, bodies: Sequence[bytes], count: int, seconds: float) -> list[Robot]:
-    """So many robots ask for so long; they begin spread over one pause."""
-    robots = [Robot(f"127.0.1.{number}") for number in range(1, count + 1)]
-    over = threading.Event()
-    end_s = time.monotonic() + seconds
-
-    def work(robot: Robot, chance: random.Random) -> None:
-        over.wait(chance.uniform(0.0, min(PAUSE_S, seconds / 2)) if count > 1 else 0.0)
-        for body in itertools.cycle(chance.sample(bodies, len(bodies))):
-            if time.monotonic() >= end_s:
-                return
-            robot.ask(port, body)
-            over.wait(min(PAUSE_S, max(0.0, end_s - time.monotonic())))
-
-    with ThreadPoolExecutor(count) as pool:
-        list(pool.map(work, robots, map(random.Random, range(count))))
-    return robots
 
 
 @contextmanager
@@ -180,15 +160,13 @@ def fairness(shares: Sequence[float]) -> float:
 def _figures(way: str, robots: Sequence[Robot], seconds: float) -> Iterator[Figure]:
     answered = [one for robot in robots for one in robot.answered_s]
     turned = [one for robot in robots for one in robot.turned_away_s]
-    waits = sorted(answered + turned)
     shares = [len(robot.answered_s) for robot in robots]
     count = len(robots)
     row = f"{count} robot{'s' * (count > 1)}, {WAYS[way]}"
     for key, column, unit, value in (
         ("rate", "answers", "/s", len(answered) / seconds),
-        ("wait-p50", "waiting, p50", "s", statistics.median(waits)),
-        ("wait-p95", "waiting, p95", "s", waits[min(len(waits) - 1, int(0.95 * len(waits)))]),
-        ("turned", "turned away or given up", "%", 100 * len(turned) / len(waits)),
+        *waiting(answered + turned),
+        ("turned", "turned away or given up", "%", 100 * len(turned) / len(answered + turned)),
         ("fairness", "Jain's index", "", fairness(shares)),
     ):
         yield Figure.of(f"{key}.{way}.{count}", TABLE, row, [value], unit, column=column)

@@ -9,7 +9,7 @@ from listener_rig import frames
 
 from benchmarks.core.figures import Figure
 from edgevox.agent.agents import Agent
-from edgevox.agent.nlu.hearing.prompt import hearing_prompt
+from edgevox.agent.nlu.hearing.wordings import hearing_prompt
 from edgevox.agent.nlu.interpreter import Interpreter
 from edgevox.agent.nlu.meaning import Meaning
 from edgevox.agent.phrases.load import phrasebook

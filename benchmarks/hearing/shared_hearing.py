@@ -7,17 +7,14 @@ sentence of each robot shows what that costs.
 """
 
 import os
-import random
 import signal
 import socket
-import statistics
 import subprocess
 import sys
 import tempfile
 import threading
 import time
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from contextlib import closing, contextmanager
 from dataclasses import dataclass, field
 
@@ -31,6 +28,7 @@ from wyoming.event import Event
 from wyoming.info import Describe, Info
 
 from benchmarks.core.figures import Figure, Measured, NotHere
+from benchmarks.core.many_robots import take_turns, waiting
 from edgevox.core.cancel import CancelToken
 from edgevox.core.servers.address import Address
 from edgevox.core.settings import Settings
@@ -44,7 +42,7 @@ MODEL = "whisper-tiny.en"
 TABLE = "One server that hears for many robots, with 0.2 s for a sentence"
 SECONDS = {1: 15, 2: 15, 5: 15, 10: 20, 20: 25}
 """How long so many robots talk."""
-PAUSE_S, ON_BOARD_S, WARM_S, HANGS = 5.0, 0.5, 60.0, 5
+ON_BOARD_S, WARM_S, HANGS = 0.5, 60.0, 5
 TIMEOUT_S = float(Settings.model_fields["stt_endpoint_timeout"].default)
 CARD_S = 0.2
 SAID = (
@@ -106,9 +104,8 @@ def measure(quick: bool = False) -> Measured:
 def _shared(url: str, sounds: Sequence[Samples], *, quick: bool) -> Iterator[Figure]:
     for count, seconds in [(1, 4), (5, 4)] if quick else SECONDS.items():
         with _robots(url, count) as robots:
-            began_s = time.monotonic()
-            _talk(robots, sounds, seconds)
-            yield from _figures(robots, time.monotonic() - began_s)
+            lasted_s = take_turns(robots, sounds, seconds, Robot.hear)
+            yield from _figures(robots, lasted_s)
 
 
 @contextmanager
@@ -128,21 +125,6 @@ def _robots(url: str, count: int) -> Iterator[list[Robot]]:
     finally:
         for one in made:
             one.hearing.close()
-
-
-def _talk(robots: Sequence[Robot], sounds: Sequence[Samples], seconds: float) -> None:
-    """All talk for so long; they begin spread over one pause."""
-    over = threading.Event()
-    end_s = time.monotonic() + seconds
-
-    def work(robot: Robot, chance: random.Random) -> None:
-        over.wait(chance.uniform(0.0, min(PAUSE_S, seconds / 2)) if len(robots) > 1 else 0.0)
-        while time.monotonic() < end_s:
-            robot.hear(chance.choice(sounds))
-            over.wait(min(PAUSE_S, max(0.0, end_s - time.monotonic())))
-
-    with ThreadPoolExecutor(len(robots)) as pool:
-        list(pool.map(work, robots, map(random.Random, range(len(robots)))))
 
 
 @contextmanager
@@ -191,14 +173,13 @@ def _listens(port: int) -> bool:
 
 
 def _figures(robots: Sequence[Robot], seconds: float) -> Iterator[Figure]:
-    waits = sorted(one for robot in robots for one in robot.waited_s)
+    waits = [one for robot in robots for one in robot.waited_s]
     on_board = sum(robot.on_board for robot in robots)
     count = len(robots)
     row = f"{count} robot{'s' * (count > 1)}"
     for key, column, unit, value in (
         ("rate", "sentences", "/s", len(waits) / seconds),
-        ("wait-p50", "waiting, p50", "s", statistics.median(waits)),
-        ("wait-p95", "waiting, p95", "s", waits[min(len(waits) - 1, int(0.95 * len(waits)))]),
+        *waiting(waits),
         ("on-board", "heard on board", "%", 100 * on_board / len(waits)),
     ):
         yield Figure.of(f"{key}.{count}", TABLE, row, [value], unit, column=column)

@@ -63,8 +63,8 @@ def _serve_fleet(robots: Path, port: int, settings: Settings) -> bool:
 
 
 def _pair(arguments: argparse.Namespace, settings: Settings, folder: Path) -> bool:
+    from edgevox.console.certificates import console_url
     from edgevox.console.sessions import Pairing, Role
-    from edgevox.console.tls import console_url
 
     role = Role.VIEWER if arguments.viewer else Role.OPERATOR
     if arguments.phone:
@@ -97,7 +97,7 @@ def _pair_phone(arguments: argparse.Namespace, settings: Settings, folder: Path)
 
 
 def _close(_arguments: argparse.Namespace, _settings: Settings, folder: Path) -> bool:
-    from edgevox.console.opened import Opened
+    from edgevox.console.sessions import Opened
 
     show("Closed to the network." if Opened(folder).close() else "It was not opened.")
     return True

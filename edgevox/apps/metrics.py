@@ -34,8 +34,8 @@ def serve_metrics(
     """Count what happens on the bus and serve it, if a port says so. Raises `InvalidValue`."""
     if not settings.metrics_port:
         return None
+    from edgevox.ops.metric_table import SKILLS
     from edgevox.ops.metrics import Registry, observe
-    from edgevox.ops.metrics.metric_table import SKILLS
 
     registry = Registry({SKILLS: [skill.name for skill in skills]}, components)
     _serve(stack, settings, registry, health)

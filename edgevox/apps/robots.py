@@ -21,7 +21,7 @@ from edgevox.core.settings import Settings
 from edgevox.robots.capabilities import Body, RemembersPlaces, TellsAbout
 from edgevox.robots.node_handle import NodeHandle, OnRos2
 from edgevox.robots.pictures import Album, picture_skills
-from edgevox.robots.places.store import PlaceStore
+from edgevox.robots.places.memory import PlaceStore
 from edgevox.robots.plugin import installed_robots, robot_points
 from edgevox.robots.skill_packages import (
     brought_skills,

@@ -248,9 +248,6 @@ def _add_arguments(add: argparse.ArgumentParser, days: Callable[[str], int]) -> 
     )
 
 
-LONGEST_NAME = 253
-
-
 def secret_name(enclave: str) -> str:
     """What the Secret of an enclave is called: ``edgevox-security-robot1-edgevox``."""
     return "edgevox-security" + enclave.replace("/", "-").replace("_", "-").lower()

@@ -10,16 +10,14 @@ from collections.abc import Awaitable, Callable, Sequence
 from ipaddress import ip_address
 from pathlib import Path
 
-from edgevox.console.certificates import local_names, own_tls
+from edgevox.console.certificates import Tls, local_names, own_tls
 from edgevox.console.context import ConsoleContext, ConsoleRobot
 from edgevox.console.door import Door
-from edgevox.console.opened import Opened
 from edgevox.console.page_files import PageFiles
 from edgevox.console.page_hub import PageHub
 from edgevox.console.page_server import Job, PageServer, listen
-from edgevox.console.sessions import Code, Role
+from edgevox.console.sessions import Code, Opened, Role
 from edgevox.console.site import Site
-from edgevox.console.tls import Tls
 from edgevox.core.clock import Clock, SystemClock
 from edgevox.core.errors import InvalidValue
 from edgevox.core.files.state_files import StateFiles

@@ -11,8 +11,8 @@ from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass, field
 
+from edgevox.console.certificates import CurrentTls
 from edgevox.console.limits import BadRequest, BadRequests
-from edgevox.console.tls import CurrentTls
 from edgevox.core.log import get_logger
 
 log = get_logger(__name__)

@@ -18,7 +18,7 @@ from edgevox.console.context import ConsoleContext, ConsoleRobot
 from edgevox.console.lease import Lease, LeaseState
 from edgevox.console.outbox import Outbox
 from edgevox.console.sessions import Session, Sessions
-from edgevox.console.talk import LastTurns, Shown, messages_of
+from edgevox.console.sockets.messages import LastTurns, Shown, messages_of
 from edgevox.core.clock import Clock
 from edgevox.core.errors import EdgeVoxError
 from edgevox.core.events import ControlChanged, Event

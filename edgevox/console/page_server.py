@@ -17,11 +17,11 @@ from typing import Any
 from aiohttp import web
 
 from edgevox.console.access import Access
+from edgevox.console.certificates import CurrentTls, Tls, console_url
 from edgevox.console.door import Door
 from edgevox.console.limits import BadRequests, ServerLog
 from edgevox.console.page_files import PageFiles
 from edgevox.console.sessions import Code, Pairing, Role, Sessions
-from edgevox.console.tls import CurrentTls, Tls, console_url
 from edgevox.core.clock import Clock, SystemClock
 from edgevox.core.errors import InvalidValue
 from edgevox.core.files.state_files import StateFiles

@@ -1,4 +1,6 @@
-"""The sessions: a file for each, so that another process can list and revoke them.
+"""Who may reach the console: its sessions, the pairing code, and the address that it is open at.
+
+Each session is a file, so that another process can list and revoke them.
 
 The cookie is ``id.secret``; the file holds the secret's hash only. Removing its file revokes a
 session; `LAST_S` ends it.
@@ -6,6 +8,10 @@ session; `LAST_S` ends it.
 Pairing makes a session: a code that is shown on the robot lets one browser in, once, for some
 minutes. The code lies in a private file, so that a command beside the running robot can make
 another one.
+
+Such a command also writes the address at which the console is open to the network. The console then
+listens there too, without a restart and also after one. So a person opens a console that nothing
+but this machine reached.
 """
 
 import hashlib
@@ -18,11 +24,13 @@ import time
 from collections.abc import Callable
 from dataclasses import asdict, dataclass
 from enum import StrEnum
+from ipaddress import ip_address
 from pathlib import Path
 
+from edgevox.console.certificates import is_private_address, own_addresses
 from edgevox.core.commands import Way
-from edgevox.core.files.json_reader import is_number, read_json_object
 from edgevox.core.files.state_files import StateFiles, write_atomically
+from edgevox.core.files.validation import is_number, read_json_object
 from edgevox.core.log import get_logger
 
 log = get_logger(__name__)
@@ -230,3 +238,51 @@ def _code(text: str) -> Code:
     """Raises `ValueError`, `TypeError`, `KeyError` or `InvalidValue` for a text that holds none."""
     told = read_json_object(text, "pairing")
     return Code(str(told["code"]), Role(told["role"]), float(told["until_s"]))
+
+
+@dataclass(frozen=True, slots=True)
+class _Opened:
+    address: str
+
+
+class Opened:
+    """The file of the address at which the console is open to the network.
+
+    Raises `OSError` where the folder can be neither read nor written.
+    """
+
+    def __init__(self, folder: Path, state: StateFiles | None = None) -> None:
+        self._file = folder / "opened.json"
+        self._state = state or StateFiles()
+
+    def address(self) -> str:
+        """The address on which the console shall listen too; empty for none."""
+        found = self._state.read(self._file, _opened)
+        return found.address if found else ""
+
+    def open(self, address: str) -> None:
+        """Open it at this address of the machine."""
+        self._file.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
+        write_atomically(self._file, json.dumps({"address": address}))
+
+    def close(self) -> bool:
+        """Close it; whether it was open."""
+        try:
+            self._file.unlink()
+        except FileNotFoundError:
+            return False
+        return True
+
+
+def network_address() -> str:
+    """The private IPv4 address by which this machine reaches its network; empty if it has none."""
+    found = (one for one in own_addresses() if not ip_address(one).is_loopback)
+    return next((one for one in found if ":" not in one), "")
+
+
+def _opened(text: str) -> _Opened:
+    """Raises `ValueError`, `KeyError` or `InvalidValue` for a text that holds no private one."""
+    address = str(read_json_object(text, "opened")["address"])
+    if not is_private_address(ip_address(address)):
+        raise ValueError("expected a private address")
+    return _Opened(address)

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from edgevox.agent.known import StateCondition
-from edgevox.agent.skills import Skill
+from edgevox.agent.skills import Skill, SkillFailed
 from edgevox.core.cancel import CancelToken
 from edgevox.core.reason import Reason
 from edgevox.core.transforms import IDENTITY, ORIGIN, Pose2D, Pose3D, to_map
@@ -339,6 +339,14 @@ class HasBattery(Protocol):
 
     def battery(self) -> float:
         """Charge left, 0 to 1. Raises `SkillFailed` while a robot does not tell it."""
+
+
+def charge_of(body: Body) -> float | None:
+    """Return the charge, from 0 to 1; None without a battery, or while it is not known."""
+    try:
+        return body.battery() if isinstance(body, HasBattery) else None
+    except SkillFailed:
+        return None
 
 
 @runtime_checkable

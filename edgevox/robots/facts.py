@@ -17,7 +17,6 @@ from edgevox.agent.skills import Call, GoalHandle, OneOf, Result, Skill, SkillFa
 from edgevox.agent.skills.skill import TO_POINT
 from edgevox.core.reason import NO_REASON
 from edgevox.core.transforms import Pose2D
-from edgevox.robots.battery import charge_of
 from edgevox.robots.capabilities import (
     Body,
     HasBattery,
@@ -25,6 +24,7 @@ from edgevox.robots.capabilities import (
     HasLidar,
     HasPlaces,
     HasPose,
+    KnowsPowerDraw,
     LidarScan,
     MayBeUnheard,
     MeasuresWays,
@@ -34,6 +34,7 @@ from edgevox.robots.capabilities import (
     TellsFacts,
     TellsMotions,
     TellsStalls,
+    charge_of,
 )
 from edgevox.robots.pictures import has_camera, no_camera
 
@@ -72,6 +73,24 @@ def known_of(body: Body) -> Known:
         conditions=body.conditions if isinstance(body, TellsConditions) else {},
         unheard=lambda: body.unheard if isinstance(body, MayBeUnheard) else NO_REASON,
     )
+
+
+def battery_skill(body: HasBattery) -> Skill:
+    """Make the skill that tells the charge.
+
+    Its sentence is `[skills.battery] done` of `core/languages/*.toml`, by `Phrasebook.report`.
+    """
+
+    @skill(moves=False)
+    def battery(goal: GoalHandle) -> Result:
+        """Say how full the battery is."""
+        goal.token.check()
+        charge = body.battery()
+        result = {"charge": round(charge, 4), "percent": round(100 * charge)}
+        lasts_s = body.battery_lasts_s() if isinstance(body, KnowsPowerDraw) else math.inf
+        return {**result, "lasts_s": round(lasts_s)} if math.isfinite(lasts_s) else result
+
+    return battery
 
 
 def _charge(body: Body) -> float | None:

@@ -13,7 +13,6 @@ from edgevox.agent.skills.skill import MOST_HINTS, OwnNames
 from edgevox.agent.text.reasons import because, called_off
 from edgevox.core.cancel import CancelToken
 from edgevox.core.transforms import Pose2D, turn_between
-from edgevox.robots.battery import battery_skill
 from edgevox.robots.capabilities import (
     Body,
     ChecksGoals,
@@ -23,10 +22,10 @@ from edgevox.robots.capabilities import (
     HasPose,
     Report,
 )
+from edgevox.robots.facts import battery_skill
 from edgevox.robots.limits import Bounds
-from edgevox.robots.places.memory import PlaceMemory
+from edgevox.robots.places.memory import Place, PlaceMemory
 from edgevox.robots.places.skills import located, place_skills
-from edgevox.robots.places.store import Place
 from edgevox.robots.relative_skills import where
 from edgevox.robots.world.fields import LARGEST
 

@@ -28,13 +28,13 @@ from edgevox.core.status import (
     moves,
     stall,
 )
-from edgevox.robots.battery import charge_of
 from edgevox.robots.capabilities import (
     Body,
     CountsHalts,
     KeepsPace,
     RemembersPlaces,
     TellsStalls,
+    charge_of,
 )
 
 log = get_logger(__name__)

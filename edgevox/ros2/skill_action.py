@@ -38,7 +38,7 @@ from edgevox.core.cancel import CancelToken
 from edgevox.core.clock import Clock, SystemClock
 from edgevox.core.commands import Way
 from edgevox.core.errors import EdgeVoxError, shorten
-from edgevox.core.files.json_reader import read_json_object
+from edgevox.core.files.validation import read_json_object
 from edgevox.core.log import get_logger
 from edgevox.ros2.backlog import Backlog
 from edgevox.ros2.contract import ACTION, write

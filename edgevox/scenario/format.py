@@ -20,8 +20,8 @@ from pydantic import (
 )
 
 from edgevox.core.errors import InvalidValue
-from edgevox.core.files.json_reader import is_number
 from edgevox.core.files.user_file import read_text
+from edgevox.core.files.validation import is_number
 from edgevox.core.files.yaml_file import YamlFile
 
 

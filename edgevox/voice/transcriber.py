@@ -10,9 +10,9 @@ from edgevox.core.commands import Heard, Transcribing, Way
 from edgevox.core.errors import EdgeVoxError
 from edgevox.core.log import get_logger
 from edgevox.core.speech import Ending, FollowUp
+from edgevox.core.spoken_names import without_phrase
 from edgevox.voice.audio import RATE_HZ, Samples
 from edgevox.voice.stt.speech_to_text import SpeechToText, Transcript
-from edgevox.voice.wake.gate import without_phrase
 
 log = get_logger(__name__)
 

@@ -4,7 +4,7 @@ from docs.markdown import table
 from edgevox.agent.goals import executor as skill_executor
 from edgevox.agent.inbox import MAX_WAITING
 from edgevox.agent.nlu import interpreter
-from edgevox.apps.terminal import lines
+from edgevox.apps.terminal.run_terminal import MAX_LINE_BYTES
 from edgevox.core import hearers
 from edgevox.core.files import text, user_file
 from edgevox.core.servers import http as http_request
@@ -24,7 +24,7 @@ def bounds() -> str:
     limits = {
         "an utterance": f"{text.MAX_CHARACTERS:,} characters; waiting sentences: {MAX_WAITING}; "
         f"calls in one sentence: {skill_executor.MAX_CALLS}",
-        "a line on standard input": f"{lines.MAX_LINE_BYTES >> 20} MB, of which "
+        "a line on standard input": f"{MAX_LINE_BYTES >> 20} MB, of which "
         f"{text.MAX_CHARACTERS:,} characters count",
         f"`{audio.TOPIC_IN}`": f"{audio_s:g} s a message",
         "arguments of `execute_skill`": f"{skill_action.MAX_ARGUMENTS_BYTES >> 10} KB",

@@ -14,7 +14,7 @@ from docs.markdown import table
 from docs.told import told
 from edgevox.apps.container import ENVIRONMENT
 from edgevox.apps.doctor.checks import CHECKS
-from edgevox.ops.metrics.metric_table import METRICS
+from edgevox.ops.metric_table import METRICS
 
 ALERTS = Path(__file__).resolve().parents[2] / "compose" / "observability" / "alerts.yml"
 

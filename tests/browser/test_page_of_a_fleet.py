@@ -9,9 +9,8 @@ import pytest
 from browser_rig import DESK, DEVICES, PHONE, problems
 from playwright.sync_api import Browser, expect
 
-from edgevox.apps.fleet.robots_file import FleetRobot
 from edgevox.apps.fleet.serve import PAGE, fleet_server
-from edgevox.apps.fleet.watch import FleetWatch, LastSeen, RobotStatus
+from edgevox.apps.fleet.watch import FleetRobot, FleetWatch, LastSeen, RobotStatus
 from edgevox.console.page_server import PageServer
 from edgevox.console.sessions import Role
 

@@ -20,9 +20,10 @@ from waiting import wait_until
 
 from edgevox.agent.agents import Agent
 from edgevox.agent.conversation import Conversation
-from edgevox.agent.llm.remote import Address, EndpointModel, FallbackModel
+from edgevox.agent.llm.remote_model import EndpointModel, FallbackModel
 from edgevox.core.bus import Bus
 from edgevox.core.commands import TextInput
+from edgevox.core.servers.address import Address
 from edgevox.core.servers.errors import ServerBusy, Unreachable
 
 CONFIG = ROOT / "compose" / "llm-queue" / "haproxy.cfg"

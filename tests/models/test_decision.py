@@ -8,7 +8,7 @@ from corpus_robots import is_right, skills_of_robots
 from corpus_sentences import Sentence, held_out, read_corpus, tuning
 
 from edgevox.agent.nlu.decider import Decider, Decision, Readings
-from edgevox.agent.nlu.encoder.encoder import ENCODER, Encoder
+from edgevox.agent.nlu.encoder import ENCODER, Encoder
 from edgevox.agent.nlu.meaning import SURE_FROM
 from edgevox.agent.nlu.templates import Recogniser, Understood
 from edgevox.agent.stop.words import find_stop_word

@@ -16,10 +16,11 @@ from edgevox.agent.llm.calls import Protocol
 from edgevox.agent.llm.factory import load_model
 from edgevox.agent.llm.language_model import ChatMessage, LanguageModel
 from edgevox.agent.llm.prompt import examples
-from edgevox.agent.llm.remote import Address, EndpointModel, FallbackModel
+from edgevox.agent.llm.remote_model import EndpointModel, FallbackModel
 from edgevox.agent.skills import Example, GoalHandle, SkillSet, skill
 from edgevox.core.cancel import CancelToken
 from edgevox.core.languages import LANGUAGES
+from edgevox.core.servers.address import Address
 from edgevox.core.servers.errors import RequestRefused
 from edgevox.models import locate
 

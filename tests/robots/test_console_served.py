@@ -14,8 +14,7 @@ from edgevox.apps.agent.build import build_parts, start_parts
 from edgevox.apps.console import phone
 from edgevox.apps.console.phone import NotOpen, pair_phone
 from edgevox.console.certificates import local_names, own_tls
-from edgevox.console.opened import Opened
-from edgevox.console.sessions import Pairing, Role, Sessions
+from edgevox.console.sessions import Opened, Pairing, Role, Sessions
 from edgevox.core.errors import EdgeVoxError
 from edgevox.core.settings import load_settings
 from edgevox.core.status import Level

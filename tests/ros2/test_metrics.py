@@ -17,7 +17,7 @@ from scraper import Scrape, scrape_until
 from waiting import wait_until
 
 from edgevox import __version__
-from edgevox.ops.metrics.metric_table import METRICS
+from edgevox.ops.metric_table import METRICS
 
 RECORDER = str(Path(sys.executable).with_name("edgevox-recorder"))
 LAG_S = 30.0

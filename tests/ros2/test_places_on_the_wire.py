@@ -12,7 +12,7 @@ from peer import wait_until
 from std_msgs.msg import String
 
 from edgevox.agent.skills import SkillFailed
-from edgevox.robots.places.store import PlaceStore
+from edgevox.robots.places.memory import PlaceStore
 from edgevox.ros2.external.robot import ExternalRobot
 from edgevox.ros2.external.settings import ExternalSettings, Location, SteeringLimits
 

@@ -23,9 +23,7 @@ from corpus_robots import is_right, skills_of_robots
 from corpus_sentences import ROBOTS, Sentence, read_corpus, tuning
 
 from edgevox.agent.nlu.decider import Readings
-from edgevox.agent.nlu.encoder.encoder import ENCODER, Encoder
-from edgevox.agent.nlu.encoder.packed_file import Floats
-from edgevox.agent.nlu.meaning import HEAD_FILE
+from edgevox.agent.nlu.encoder import ENCODER, HEAD_FILE, Encoder, Floats
 from edgevox.agent.nlu.templates import Recogniser
 from edgevox.agent.stop.words import SafetyWords
 from edgevox.models import locate

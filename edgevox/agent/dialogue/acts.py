@@ -1,8 +1,4 @@
-"""Answers and corrections: yes, no, and "no, the other one", in the words of a language.
-
-A correction changes a call: "no, to the office" is the same call with another value of one
-argument.
-"""
+"""Answers: yes, no, and "no, the other one", in the words of a language."""
 
 import itertools
 import re
@@ -12,13 +8,9 @@ from dataclasses import dataclass
 from enum import StrEnum
 from functools import lru_cache
 from itertools import chain
-from typing import Any
 
-from edgevox.agent.phrases.numbers import digits, is_exact
-from edgevox.agent.phrases.phrasebook import AnswerWords, Phrasebook
-from edgevox.agent.skills import Call, OneOf, Skill
-from edgevox.agent.text.spelling import NUMBER, is_same_name, key, separated, unpunctuated
-from edgevox.core.files.json_reader import is_number
+from edgevox.agent.phrases.tables import AnswerWords
+from edgevox.agent.text.spelling import NUMBER, key, separated, unpunctuated
 from edgevox.core.files.text import one_form
 
 MAX_TOKENS = 32
@@ -29,9 +21,6 @@ _MOST_DENYING = 6
 
 _MOST_CUTS = 36
 """Number of pairs of sentences that are tried for one with a choice."""
-
-_MOST_NAME_WORDS = 3
-"""Number of words of the longest name that is found in another form."""
 
 _CLAUSE_END = re.compile(
     r"[;!?\u061b\u061f\u0964\u2026\u3001\u3002\uff01\uff0c\uff1b\uff1f\u060c]+|[.,:](?!\d)"
@@ -357,7 +346,7 @@ class Answers:
 
     def may_correct(self, text: str) -> bool:
         """True if the text could take something back; a quick check, since most texts do not."""
-        return not self._takes_back.isdisjoint(chain(*_clause_tokens(text, self._spaced)))
+        return not self._takes_back.isdisjoint(chain(*clause_tokens(text, self._spaced)))
 
     def alternatives(self, text: str) -> Iterator[tuple[str, ...]]:
         """Sentences to choose from, two or more; those that have the most in common come first.
@@ -392,7 +381,7 @@ class Answers:
 
         "The second", "the green one please" and "to the office" choose; "not the office" does not.
         """
-        told = [{*chain.from_iterable(_clause_tokens(one, self._spaced))} for one in alternatives]
+        told = [{*chain.from_iterable(clause_tokens(one, self._spaced))} for one in alternatives]
         counts = Counter(chain.from_iterable(told))
         order: dict[_Found, int] = dict(zip(_ORDINALS[:-1], range(len(told)), strict=False))
         order[_AnswerPart.LAST] = len(told) - 1
@@ -411,7 +400,7 @@ class Answers:
 
     def _clauses(self, text: str, phrases: _Phrases) -> Sequence[_Clause]:
         """The phrases of each clause; empty if a clause holds anything else."""
-        clauses = _clause_tokens(text, self._spaced)
+        clauses = clause_tokens(text, self._spaced)
         if sum(map(len, clauses)) > MAX_TOKENS:
             return ()
         found = [_parts(tokens, phrases) for tokens in clauses]
@@ -433,7 +422,7 @@ def _forms(phrase: str, spaced: bool) -> tuple[tuple[str, ...], tuple[str, ...]]
 
 
 @lru_cache(maxsize=16)
-def _clause_tokens(text: str, spaced: bool) -> tuple[tuple[str, ...], ...]:
+def clause_tokens(text: str, spaced: bool) -> tuple[tuple[str, ...], ...]:
     """The words of each clause that has any. Cached: a text is read several times."""
     clauses = (_tokens(part, spaced) for part in _CLAUSE_END.split(text))
     return tuple(tokens for tokens in clauses if tokens)
@@ -478,91 +467,3 @@ def _says_no(clause: _Clause) -> bool:
     alone = not _values(clause) and not {Answer.NO, *_DENYING}.isdisjoint(plain)
     instead = _AnswerPart.INSTEAD in (*plain[:1], *plain[-1:])
     return bool(plain) and (alone or instead or plain[0] is Answer.NO)
-
-
-_IT = "it"
-"""Pronoun for the thing spoken of last; it names no value, so it corrects nothing."""
-
-
-def correct(
-    call: Call,
-    one: Skill,
-    text: str,
-    answers: Answers,
-    book: Phrasebook,
-    *,
-    taken_back: bool = False,
-) -> Call | None:
-    """The corrected call; None unless the text is a correction without doubt.
-
-    A word counts if the skill's templates know it for the argument in this language. Numbers
-    replace all numbers of the call, so there must be as many. `taken_back` says that words before
-    the text took the call back.
-    """
-    if not (taken_back or answers.may_correct(text)) or not is_exact(text, book.code):
-        return None
-    found = [*_words(call, one, text, answers, book, taken_back=taken_back)]
-    if len(found) == 1:
-        return Call(call.skill, {**call.arguments, **found[0]})
-    if found:
-        return None
-    names = [name for name, value in call.arguments.items() if is_number(value)]
-    plain = digits(" ".join(one_form(text).split()), book.code)
-    said = answers.numbers(plain, taken_back=taken_back)
-    if not names or len(names) != len(said):
-        return None
-    changed = one.from_words(dict(zip(names, said, strict=True)))
-    return Call(call.skill, {**call.arguments, **changed})
-
-
-def denies(call: Call, one: Skill, text: str, answers: Answers, book: Phrasebook) -> bool:
-    """True if the text only says that a value of the call is not wanted: "not the kitchen"."""
-    if not answers.may_correct(text):
-        return False
-    spoken = ((name, _heard(choices, book, text)) for name, choices in one.choices.items())
-    return any(answers.denies(text, said, str(call.arguments.get(name))) for name, said in spoken)
-
-
-def _words(
-    call: Call, one: Skill, text: str, answers: Answers, book: Phrasebook, *, taken_back: bool
-) -> list[Mapping[str, Any]]:
-    """Each argument that the text could correct, with its new value."""
-    found: list[Mapping[str, Any]] = []
-    for name, choices in one.choices.items():
-        spoken = _heard(choices, book, text)
-        meant = str(call.arguments.get(name))
-        value = answers.value(text, spoken, meant, taken_back=taken_back)
-        found += [{name: value}] if value else []
-    return found
-
-
-def known_words(skills: Iterable[Skill], book: Phrasebook, text: str) -> Mapping[str, str]:
-    """What may be said for the words of the arguments of these skills, as `text` may say it."""
-    known = (choices for one in skills for choices in one.choices.values())
-    return {said: word for one in known for said, word in _heard(one, book, text).items()}
-
-
-def _heard(choices: OneOf, book: Phrasebook, text: str) -> Mapping[str, str]:
-    """Each spoken form of a word, and each inflected one in the text: "вместо кухни"."""
-    spoken = {said: word for said, word in book.heard(choices).items() if word != _IT}
-    if not book.fallback or not book.hearing.spaced:
-        return spoken
-    keys = {key(said): word for said, word in spoken.items()}
-    found = dict(spoken)
-    small = frozenset(map(key, (*book.answers.little, *book.answers.polite, book.hearing.pair)))
-    for said in _windows(text, small):
-        plain = key(said)
-        meant = {word for one, word in keys.items() if is_same_name(plain, one, inflected=True)}
-        if plain not in keys and len(meant) == 1:
-            found[said] = meant.pop()
-    return found
-
-
-def _windows(text: str, small: frozenset[str]) -> Iterator[str]:
-    """Each row of a few words of one clause, without small ones at its ends."""
-    for tokens in _clause_tokens(text, spaced=True):
-        for size in range(1, _MOST_NAME_WORDS + 1):
-            for start in range(len(tokens) - size + 1):
-                row = tokens[start : start + size]
-                if small.isdisjoint(map(key, (row[0], row[-1]))):
-                    yield " ".join(row)

@@ -1,29 +1,32 @@
 """Corrections: what words mean that take something back, in a sentence or in the one before.
 
 "No, the bedroom", "to the kitchen, no, the office", "forget the kitchen, go to the office".
+A correction changes a call: "no, to the office" is the same call with another value of one
+argument.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 from edgevox.agent.agents import Agent
-from edgevox.agent.dialogue.acts import (
-    Answers,
-    Contrast,
-    clause_ends,
-    correct,
-    denies,
-    known_words,
-)
+from edgevox.agent.dialogue.acts import Answers, Contrast, clause_ends, clause_tokens
 from edgevox.agent.dialogue.memory import LastDrive
 from edgevox.agent.dialogue.question import OpenQuestion
 from edgevox.agent.nlu.interpreter import Interpreter
 from edgevox.agent.nlu.meaning import ASK_FROM, Meaning
 from edgevox.agent.nlu.templates import RefusedCommand
+from edgevox.agent.phrases.numbers import digits, is_exact
 from edgevox.agent.phrases.phrasebook import Phrasebook
-from edgevox.agent.skills import Call
+from edgevox.agent.skills import Call, OneOf, Skill
 from edgevox.agent.stop.words import denies_stop
+from edgevox.agent.text.spelling import is_same_name, key
+from edgevox.core.files.text import one_form
+from edgevox.core.files.validation import is_number
 from edgevox.core.languages import STOP_WORDS
+
+_MOST_NAME_WORDS = 3
+"""Number of words of the longest name that is found in another form."""
 
 _First = tuple[Agent, Sequence[Call], Call]
 """What a correction changes: an agent, its calls, and the one of them that drives."""
@@ -202,3 +205,91 @@ def _answers(book: Phrasebook) -> Answers:
         pairs=[one.hearing.pair for one in books],
         follows=book.hearing.denials_follow,
     )
+
+
+_IT = "it"
+"""Pronoun for the thing spoken of last; it names no value, so it corrects nothing."""
+
+
+def correct(
+    call: Call,
+    one: Skill,
+    text: str,
+    answers: Answers,
+    book: Phrasebook,
+    *,
+    taken_back: bool = False,
+) -> Call | None:
+    """The corrected call; None unless the text is a correction without doubt.
+
+    A word counts if the skill's templates know it for the argument in this language. Numbers
+    replace all numbers of the call, so there must be as many. `taken_back` says that words before
+    the text took the call back.
+    """
+    if not (taken_back or answers.may_correct(text)) or not is_exact(text, book.code):
+        return None
+    found = [*_words(call, one, text, answers, book, taken_back=taken_back)]
+    if len(found) == 1:
+        return Call(call.skill, {**call.arguments, **found[0]})
+    if found:
+        return None
+    names = [name for name, value in call.arguments.items() if is_number(value)]
+    plain = digits(" ".join(one_form(text).split()), book.code)
+    said = answers.numbers(plain, taken_back=taken_back)
+    if not names or len(names) != len(said):
+        return None
+    changed = one.from_words(dict(zip(names, said, strict=True)))
+    return Call(call.skill, {**call.arguments, **changed})
+
+
+def denies(call: Call, one: Skill, text: str, answers: Answers, book: Phrasebook) -> bool:
+    """True if the text only says that a value of the call is not wanted: "not the kitchen"."""
+    if not answers.may_correct(text):
+        return False
+    spoken = ((name, _heard(choices, book, text)) for name, choices in one.choices.items())
+    return any(answers.denies(text, said, str(call.arguments.get(name))) for name, said in spoken)
+
+
+def _words(
+    call: Call, one: Skill, text: str, answers: Answers, book: Phrasebook, *, taken_back: bool
+) -> list[Mapping[str, Any]]:
+    """Each argument that the text could correct, with its new value."""
+    found: list[Mapping[str, Any]] = []
+    for name, choices in one.choices.items():
+        spoken = _heard(choices, book, text)
+        meant = str(call.arguments.get(name))
+        value = answers.value(text, spoken, meant, taken_back=taken_back)
+        found += [{name: value}] if value else []
+    return found
+
+
+def known_words(skills: Iterable[Skill], book: Phrasebook, text: str) -> Mapping[str, str]:
+    """What may be said for the words of the arguments of these skills, as `text` may say it."""
+    known = (choices for one in skills for choices in one.choices.values())
+    return {said: word for one in known for said, word in _heard(one, book, text).items()}
+
+
+def _heard(choices: OneOf, book: Phrasebook, text: str) -> Mapping[str, str]:
+    """Each spoken form of a word, and each inflected one in the text: "вместо кухни"."""
+    spoken = {said: word for said, word in book.heard(choices).items() if word != _IT}
+    if not book.fallback or not book.hearing.spaced:
+        return spoken
+    keys = {key(said): word for said, word in spoken.items()}
+    found = dict(spoken)
+    small = frozenset(map(key, (*book.answers.little, *book.answers.polite, book.hearing.pair)))
+    for said in _windows(text, small):
+        plain = key(said)
+        meant = {word for one, word in keys.items() if is_same_name(plain, one, inflected=True)}
+        if plain not in keys and len(meant) == 1:
+            found[said] = meant.pop()
+    return found
+
+
+def _windows(text: str, small: frozenset[str]) -> Iterator[str]:
+    """Each row of a few words of one clause, without small ones at its ends."""
+    for tokens in clause_tokens(text, spaced=True):
+        for size in range(1, _MOST_NAME_WORDS + 1):
+            for start in range(len(tokens) - size + 1):
+                row = tokens[start : start + size]
+                if small.isdisjoint(map(key, (row[0], row[-1]))):
+                    yield " ".join(row)

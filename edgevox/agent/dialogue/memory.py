@@ -4,7 +4,6 @@
 "no, the bedroom" corrects.
 """
 
-import math
 import threading
 from collections import deque
 from collections.abc import Callable, Collection, Mapping
@@ -12,7 +11,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from edgevox.agent.agents import Agent
-from edgevox.agent.nlu.orders import Program
+from edgevox.agent.nlu.meaning import Program
 from edgevox.agent.skills import STOP, Call, Skill, SkillFailed
 from edgevox.core.agent_events import (
     GOAL_ENDS,
@@ -25,8 +24,8 @@ from edgevox.core.agent_events import (
 from edgevox.core.bus import Bus
 from edgevox.core.clock import Clock
 from edgevox.core.events import Cause, Interrupted, Transcribed
-from edgevox.core.files.json_reader import is_number
-from edgevox.core.transforms import Pose2D
+from edgevox.core.files.validation import is_number
+from edgevox.core.transforms import Pose2D, distance_on_floor
 
 CORRECTED_S = 20.0
 """Seconds after its end for which a drive can still be corrected."""
@@ -254,7 +253,7 @@ class Dialogue:
         if not ran or here is None or ran[0].status is not GoalStatus.SUCCEEDED:
             return ran[0].start if ran else None
         starts = (one.start for one in ran if one.start)
-        return next((one for one in starts if _distance_m(one, here) > _ELSEWHERE_M), None)
+        return next((one for one in starts if distance_on_floor(one, here) > _ELSEWHERE_M), None)
 
     def _ran(self) -> list[MotionRecord]:
         """The recent motions that ran, the last first."""
@@ -342,10 +341,6 @@ class Dialogue:
                 self._motions = deque(live, MOST_EXCHANGES)
         elif event.cause not in _HUSHED:
             self._on_stop()
-
-
-def _distance_m(one: Pose2D, other: Pose2D) -> float:
-    return math.hypot(one.x_m - other.x_m, one.y_m - other.y_m)
 
 
 def _part(progress: Any) -> float | None:

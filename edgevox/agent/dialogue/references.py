@@ -8,7 +8,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from edgevox.agent.dialogue.memory import Dialogue, DialogueExchange
-from edgevox.agent.nlu.orders import After, Do, Program, When, kernel, parts_of
+from edgevox.agent.nlu.meaning import After, Do, Program, When, kernel, parts_of
 from edgevox.agent.skills import Call, OneOf, Skill, SkillFailed
 from edgevox.agent.skills.skill import TO_POINT, no_further, no_way_back
 from edgevox.agent.text.reasons import because

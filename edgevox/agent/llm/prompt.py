@@ -14,7 +14,8 @@ from edgevox.agent.llm.grammar import DO, END, HANDOFF, SAY, is_optional, litera
 from edgevox.agent.llm.language_model import ChatMessage, LanguageModel, ModelFailed
 from edgevox.agent.phrases.load import ENGLISH, phrasebook
 from edgevox.agent.phrases.own_names import phrasebook_of
-from edgevox.agent.phrases.phrasebook import Phrasebook, SmallTalk
+from edgevox.agent.phrases.phrasebook import Phrasebook
+from edgevox.agent.phrases.tables import SmallTalk
 from edgevox.agent.skills import Call, Skill, SkillSet
 from edgevox.core.cancel import CancelToken
 from edgevox.core.log import get_logger

@@ -11,9 +11,9 @@ from dataclasses import dataclass
 from typing import Any
 
 from edgevox.agent.nlu.clauses import ClauseReading
-from edgevox.agent.nlu.encoder.encoder import SentenceReader
+from edgevox.agent.nlu.encoder import Head, SentenceReader
 from edgevox.agent.nlu.lexicon import Lexicon, Words, is_mark, is_number
-from edgevox.agent.nlu.meaning import ASK_FROM, SURE_FROM, Head
+from edgevox.agent.nlu.meaning import ASK_FROM, SURE_FROM
 from edgevox.agent.nlu.reading import CallReader, Reading
 from edgevox.agent.nlu.remainder import is_denied_inside, is_left_over, is_unsaid
 from edgevox.agent.phrases.load import ENGLISH

@@ -19,9 +19,8 @@ from edgevox.agent.nlu.disfluencies import fluent
 from edgevox.agent.nlu.hearing.hypotheses import breaks_off, is_contested, is_same, likeliest
 from edgevox.agent.nlu.hearing.near import NearCommands
 from edgevox.agent.nlu.hearing.sounds import Phonemes
-from edgevox.agent.nlu.meaning import ASK_FROM, HEARD_FROM, Meaning
+from edgevox.agent.nlu.meaning import ASK_FROM, HEARD_FROM, Meaning, Program
 from edgevox.agent.nlu.order_reader import NO_CONDITIONS, ProgramReader, Unclear
-from edgevox.agent.nlu.orders import Program
 from edgevox.agent.nlu.questions import (
     CheckedAnswer,
     WorldWords,

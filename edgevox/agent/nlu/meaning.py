@@ -1,20 +1,167 @@
-"""The meaning of an utterance, and the trained head that gives a reading its confidence."""
+"""The meaning of an utterance: calls to do at once, or a small program.
 
-from collections.abc import Mapping
+A program has steps, repetitions, delays and conditions around calls of skills.
+"""
+
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
-from importlib.resources import files
-from io import BytesIO
-from typing import Any
-
-import numpy as np
 
 from edgevox.agent.agents import Agent
-from edgevox.agent.nlu.encoder.packed_file import Floats
-from edgevox.agent.nlu.orders import Program, calls_of
-from edgevox.agent.skills import Call
+from edgevox.agent.skills import Call, SkillSet
 
-HEAD_FILE = "head.npz"
-"""Name of the head's file, made by `training/decision/train.py`."""
+
+@dataclass(frozen=True, slots=True)
+class Do:
+    """Do these calls, in their order."""
+
+    calls: tuple[Call, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Say:
+    """Say these words."""
+
+    words: str
+
+
+@dataclass(frozen=True, slots=True)
+class Pause:
+    """Wait between two steps."""
+
+    seconds: float
+
+
+@dataclass(frozen=True, slots=True)
+class Return:
+    """Go back to where the robot stood when the program began to run."""
+
+
+@dataclass(frozen=True, slots=True)
+class Again:
+    """Do the last order again."""
+
+
+@dataclass(frozen=True, slots=True)
+class Steps:
+    """Do these steps in sequence; each begins when the one before has succeeded."""
+
+    steps: tuple["Program", ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Repeat:
+    """Repeat a program."""
+
+    program: "Program"
+    """The program of each round."""
+    count: float | None
+    """Number of rounds; None to repeat until a stop."""
+
+
+@dataclass(frozen=True, slots=True)
+class After:
+    """Start a program after a delay."""
+
+    delay_s: float
+    """The delay in seconds."""
+    program: "Program"
+    """The program."""
+
+
+@dataclass(frozen=True, slots=True)
+class BatteryBelow:
+    """Condition: the battery's charge is below this."""
+
+    percent: float
+
+
+@dataclass(frozen=True, slots=True)
+class Arrived:
+    """Condition: the motion that runs at the time of the order has reached its end."""
+
+
+@dataclass(frozen=True, slots=True)
+class StateIs:
+    """Condition: what the robot tells of itself is so."""
+
+    name: str
+    """The name of the condition, among those that the robot knows."""
+    said: str
+    """The words that it was named by."""
+    value: float | None = None
+    """The number that it compares with, if one was said."""
+
+
+Condition = BatteryBelow | StateIs | Arrived
+
+
+@dataclass(frozen=True, slots=True)
+class When:
+    """Start a program once, as soon as a condition is true."""
+
+    condition: Condition
+    program: "Program"
+
+
+Program = Do | Say | Pause | Return | Again | Steps | Repeat | After | When
+
+
+def parts_of(program: Program) -> Iterator[Program]:
+    """A program and all programs inside it, from the outside inwards."""
+    yield program
+    match program:
+        case Steps(steps=steps):
+            for one in steps:
+                yield from parts_of(one)
+        case Repeat(program=inner) | After(program=inner) | When(program=inner):
+            yield from parts_of(inner)
+
+
+def calls_of(program: Program) -> tuple[Call, ...]:
+    """All calls inside a program, each once."""
+    return tuple(call for one in parts_of(program) if isinstance(one, Do) for call in one.calls)
+
+
+def is_endless(program: Program) -> bool:
+    """True if a program goes on until it is stopped."""
+    return any(isinstance(one, Repeat) and one.count is None for one in parts_of(program))
+
+
+def replaced(program: Program, leaf: Callable[[Do | Again], Program]) -> Program:
+    """The program with each `Do` and `Again` replaced by its `leaf`."""
+    match program:
+        case Do() | Again():
+            return leaf(program)
+        case Steps(steps=steps):
+            return Steps(tuple(replaced(one, leaf) for one in steps))
+        case Repeat(program=inner, count=count):
+            return Repeat(replaced(inner, leaf), count)
+        case After(delay_s=delay_s, program=inner):
+            return After(delay_s, replaced(inner, leaf))
+        case When(condition=condition, program=inner):
+            return When(condition, replaced(inner, leaf))
+    return program
+
+
+def kernel(program: Program) -> Program:
+    """The innermost program, without repetitions, delays and conditions around it."""
+    match program:
+        case Repeat(program=inner) | After(program=inner) | When(program=inner):
+            return kernel(inner)
+    return program
+
+
+def drives(program: Program, skills: SkillSet) -> bool:
+    """True if a program sets the body in motion."""
+    back = any(isinstance(one, Return) for one in parts_of(program))
+    return back or any(skills[call.skill].drives for call in calls_of(program))
+
+
+def moves(program: Program, skills: SkillSet) -> bool:
+    """True if a program uses the body."""
+    back = any(isinstance(one, Return) for one in parts_of(program))
+    return back or any(skills[call.skill].moves for call in calls_of(program))
+
 
 ASK_FROM, SURE_FROM = 0.5, 0.8
 """Confidences from which on the robot asks, and acts without asking; below both it does nothing."""
@@ -24,59 +171,6 @@ HEARD_FROM = 0.8
 Of 1,152 commands by the tuning voices (`training/acoustics`), in noise at 10, 5 and 0 dB, no wrong
 one was done, with a lower confidence for words that were only expected
 (`edgevox.voice.stt.speech_to_text`); with 0.75 one was."""
-
-
-@dataclass(frozen=True, slots=True)
-class Head:
-    """Two logistic regressions: one tells orders from other sentences, one judges a reading."""
-
-    order_weights: Floats
-    """Weights of the encoder's features, shape (size,)."""
-    order_bias: float
-    """Bias of the first regression."""
-    names: tuple[str, ...]
-    """Names of the evidence, in the order of `weights`."""
-    weights: Floats
-    """Weights of the evidence, and last that of the first regression's logit."""
-    bias: float
-    """Bias of the second regression."""
-    ask: float
-    """Likelihood from which on to ask."""
-    sure: float
-    """Likelihood from which on to act."""
-
-    def order(self, features: Floats) -> float:
-        """Logit of a sentence to be an order to the hearer."""
-        return float(features @ self.order_weights + self.order_bias)
-
-    def likelihood(self, order: float, evidence: Mapping[str, float]) -> float:
-        """Likelihood of a reading to be meant, from 0 to 1."""
-        values = np.array([*(float(evidence[name]) for name in self.names), order])
-        return float(1 / (1 + np.exp(-(values @ self.weights + self.bias))))
-
-    def confidence(self, likelihood: float) -> float:
-        """The likelihood on the scale on which `ASK_FROM` asks and `SURE_FROM` acts."""
-        known = (0.0, self.ask, self.sure, 1.0)
-        return float(np.interp(likelihood, known, (0.0, ASK_FROM, SURE_FROM, 1.0)))
-
-
-def read_head() -> Head:
-    """The head that this package brings."""
-    with np.load(BytesIO(files(__package__).joinpath(HEAD_FILE).read_bytes())) as data:
-        return head_of(data)
-
-
-def head_of(data: Mapping[str, Any]) -> Head:
-    """A head from the arrays of its file."""
-    return Head(
-        order_weights=np.asarray(data["order_weights"], np.float32),
-        order_bias=float(data["order_bias"]),
-        names=tuple(str(name) for name in data["names"]),
-        weights=np.asarray(data["weights"], np.float32),
-        bias=float(data["bias"]),
-        ask=float(data["ask"]),
-        sure=float(data["sure"]),
-    )
 
 
 @dataclass(frozen=True, slots=True)

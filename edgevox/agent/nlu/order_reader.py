@@ -24,7 +24,7 @@ from hassil.expression import (
 from hassil.parse_expression import parse_sentence
 
 from edgevox.agent.known import VALUE, StateCondition
-from edgevox.agent.nlu.orders import (
+from edgevox.agent.nlu.meaning import (
     After,
     Again,
     Arrived,
@@ -43,7 +43,8 @@ from edgevox.agent.nlu.orders import (
 from edgevox.agent.nlu.templates import MAX_CHARACTERS, RefusedCommand
 from edgevox.agent.phrases.load import ENGLISH, phrasebook
 from edgevox.agent.phrases.numbers import digits, is_exact
-from edgevox.agent.phrases.phrasebook import Phrasebook, ProgramPhrases
+from edgevox.agent.phrases.phrasebook import Phrasebook
+from edgevox.agent.phrases.tables import ProgramPhrases
 from edgevox.agent.skills import Call
 from edgevox.agent.text.spelling import folded, separated
 from edgevox.core.files.text import one_form

@@ -33,7 +33,8 @@ from hassil.util import normalize_for_matching
 from edgevox.agent.phrases.load import ENGLISH
 from edgevox.agent.phrases.numbers import digits, is_exact
 from edgevox.agent.phrases.own_names import phrasebook_of
-from edgevox.agent.phrases.phrasebook import Hearing, Phrasebook, brief, whole
+from edgevox.agent.phrases.phrasebook import Phrasebook, brief, whole
+from edgevox.agent.phrases.tables import Hearing
 from edgevox.agent.skills import NO_SKILLS, Call, Skill, SkillSet
 from edgevox.agent.skills.arguments import is_number_type
 from edgevox.agent.skills.skill import OneOf

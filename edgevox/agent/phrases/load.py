@@ -11,16 +11,19 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from edgevox.agent.phrases.phrasebook import (
+from edgevox.agent.phrases.phrasebook import Phrasebook
+from edgevox.agent.phrases.tables import (
     AnswerWords,
     Hearing,
     HouseAct,
-    Phrasebook,
+    Numbers,
     ProgramPhrases,
+    Rewriting,
     SmallTalk,
+    lengths,
+    number_words,
 )
 from edgevox.agent.skills import Example, SkillPhrases
-from edgevox.agent.text.number_words import Numbers, Rewriting, lengths, number_words
 from edgevox.agent.text.reasons import in_words
 from edgevox.agent.text.spelling import key
 from edgevox.agent.text.words import word_of

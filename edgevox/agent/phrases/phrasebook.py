@@ -1,6 +1,5 @@
 """Phrasebooks: the sentences that a robot says and understands in one language.
 
-- `Hearing`, `AnswerWords`, `ProgramPhrases`: tables of a language's file.
 - `suited`, `examples_of`: the templates and examples that fit a skill's arguments.
 - `brief`, `whole`, `detail`: long lists; a few words are spoken, all are written.
 - `Phrasebook`: all of a language.
@@ -14,9 +13,17 @@ from functools import cached_property
 from itertools import zip_longest
 from typing import Any
 
+from edgevox.agent.phrases.tables import (
+    AnswerWords,
+    Hearing,
+    HouseAct,
+    Numbers,
+    ProgramPhrases,
+    Rewriting,
+    SmallTalk,
+)
 from edgevox.agent.skills import Example, Skill, SkillPhrases
 from edgevox.agent.skills.skill import MOST_HINTS, OneOf
-from edgevox.agent.text.number_words import Numbers, NumberWords, Rewriting
 from edgevox.agent.text.spelling import key
 from edgevox.agent.text.words import (
     Word,
@@ -31,8 +38,8 @@ from edgevox.agent.text.words import (
     word_of,
     worded,
 )
-from edgevox.core.files.json_reader import is_number
 from edgevox.core.files.text import one_form
+from edgevox.core.files.validation import is_number
 from edgevox.core.files.yaml_file import value_key
 from edgevox.core.reason import Named, Reason
 
@@ -115,89 +122,6 @@ def _hints(choices: OneOf, words: Mapping[str, Word]) -> list[tuple[str, str]]:
     return [pair for each in rounds for pair in each if pair][:MOST_HINTS]
 
 
-@dataclass(frozen=True, slots=True)
-class Hearing:
-    """The structure of sentences in a language."""
-
-    joints: tuple[str, ...] = ()
-    """Words between two commands."""
-    articles: tuple[str, ...] = ()
-    """Words before a name."""
-    clause_words: frozenset[str] = frozenset()
-    """Words that never stand in a name."""
-    pair: str = "and"
-    """The word to put between two bare numbers."""
-    percent: str = "%"
-    """The word for a percent sign after a number; "%" where it stands before the number."""
-    spaced: bool = True
-    """False for a script without spaces between words."""
-    written: str = ""
-    """Commands in the spelling of the templates, as a sample for speech recognition."""
-    reserved: tuple[str, ...] = ()
-    """Answers and general commands, which no place or thing may be called."""
-    places: tuple[str, ...] = ()
-    """Templates of usual places: "this is the charger" names one, "this is the end" does not."""
-    unfinished: tuple[str, ...] = ()
-    """Last words of a sentence that is not finished."""
-    goes_on: tuple[str, ...] = ()
-    """Examples of words that may follow a whole command: "90 degrees" after "turn left"."""
-    hesitations: tuple[str, ...] = ()
-    """Sounds of somebody who looks for words, each letter as long as may be: "uh"."""
-    back_channels: tuple[str, ...] = ()
-    """What people say while they listen, and want the speaker to go on: "mm-hm", "I see"."""
-    openers: tuple[str, ...] = ()
-    """Words that open a sentence and mean nothing to a robot: "and then"."""
-    denials_follow: bool = False
-    """True where words that deny stand behind what they deny."""
-
-
-@dataclass(frozen=True, slots=True)
-class AnswerWords:
-    """Words of answers in a language; languages/en.toml explains each field."""
-
-    yes: tuple[str, ...] = ()
-    no: tuple[str, ...] = ()
-    not_: tuple[str, ...] = ()
-    drop: tuple[str, ...] = ()
-    polite: tuple[str, ...] = ()
-    little: tuple[str, ...] = ()
-    instead: tuple[str, ...] = ()
-    or_: tuple[str, ...] = ()
-    first: tuple[str, ...] = ()
-    second: tuple[str, ...] = ()
-    third: tuple[str, ...] = ()
-    last: tuple[str, ...] = ()
-
-
-@dataclass(frozen=True, slots=True)
-class ProgramPhrases:
-    """The wording of programs in a language: the table `programs` of its file.
-
-    Templates are written as those of skills: `[optional]`, `(one|or another)`, `{slot}`, `<rule>`.
-    """
-
-    templates: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
-    """Sentence templates by kind of program."""
-    rules: Mapping[str, str] = field(default_factory=dict)
-    """Rules that templates name."""
-    rewrite: tuple[Rewriting, ...] = ()
-    """Patterns and their replacements before matching: "twice" becomes "2 times"."""
-    words: NumberWords | None = None
-    """Number words that only programs use."""
-    units: str = ""
-    """Pattern of the units before which numerals count, in a language without spaces."""
-    ahead: str = ""
-    """Pattern of the words after which numerals count, in a language without spaces."""
-    go: str = ""
-    """The plain order to go to a place."""
-    between: tuple[str, ...] = ()
-    """Words between the places of a patrol."""
-    me: tuple[str, ...] = ()
-    """Words for the speaker: "tell me how full your battery is" asks, and is not to be repeated."""
-    names: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
-    """Words for a program in an order to forget it, by kind."""
-
-
 MOST_SPOKEN = 4
 """Lists up to this long are spoken whole; of a longer one all but one of so many are named."""
 
@@ -237,23 +161,6 @@ _OTHER = "other"
 """Key for the name of an argument without a name of its own."""
 _WORD = "word"
 """Key for the kind of an argument's words, if the argument is unknown."""
-
-
-@dataclass(frozen=True, slots=True)
-class SmallTalk:
-    """A sentence that is no command, and an answer to it."""
-
-    asked: str
-    answer: str
-
-
-@dataclass(frozen=True, slots=True)
-class HouseAct:
-    """Something that people ask of a robot in a house: languages/en.toml explains each field."""
-
-    words: tuple[str, ...]
-    cannot: str
-    by: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)

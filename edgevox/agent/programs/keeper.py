@@ -11,7 +11,7 @@ from typing import Any
 from edgevox.agent.goals.executor import SkillExecutor
 from edgevox.agent.goals.goal import Goal
 from edgevox.agent.known import NOTHING_KNOWN, Known
-from edgevox.agent.nlu.orders import (
+from edgevox.agent.nlu.meaning import (
     After,
     BatteryBelow,
     Program,

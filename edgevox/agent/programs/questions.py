@@ -3,8 +3,7 @@
 import re
 from collections.abc import Callable, Iterator, Sequence
 
-from edgevox.agent.nlu.order_reader import patterns_of, spelled
-from edgevox.agent.nlu.orders import (
+from edgevox.agent.nlu.meaning import (
     After,
     BatteryBelow,
     Repeat,
@@ -15,6 +14,7 @@ from edgevox.agent.nlu.orders import (
     is_endless,
     parts_of,
 )
+from edgevox.agent.nlu.order_reader import patterns_of, spelled
 from edgevox.agent.phrases.load import ENGLISH, phrasebook
 from edgevox.agent.phrases.phrasebook import Phrasebook
 from edgevox.agent.programs.keeper import Programs

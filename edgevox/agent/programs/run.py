@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterable
 from functools import partial
 
 from edgevox.agent.goals.goal import Goal
-from edgevox.agent.nlu.orders import (
+from edgevox.agent.nlu.meaning import (
     After,
     Arrived,
     BatteryBelow,

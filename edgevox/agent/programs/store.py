@@ -14,7 +14,7 @@ from typing import Protocol
 from edgevox.agent.goals.executor import MAX_CALLS
 from edgevox.agent.goals.goal import Goal
 from edgevox.agent.known import Known
-from edgevox.agent.nlu.orders import (
+from edgevox.agent.nlu.meaning import (
     After,
     Again,
     BatteryBelow,

@@ -1,1 +1,1 @@
-"""Words as they are written: spelling, numbers, names that are the same, reasons."""
+"""Words as they are written: spelling, names that are the same, reasons."""

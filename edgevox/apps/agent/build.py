@@ -63,8 +63,7 @@ from edgevox.core.status import (
 from edgevox.models import ModelMissing
 from edgevox.ops.health import Health
 from edgevox.ops.logs import BusLog
-from edgevox.ops.machine import DiskComponent, ProcessComponent
-from edgevox.ops.system_clock import ClockComponent
+from edgevox.ops.machine import ClockComponent, DiskComponent, ProcessComponent
 from edgevox.robots.capabilities import Body, HasPicture, HasPose
 from edgevox.robots.facts import known_of
 from edgevox.robots.flat.viewer import Viewer, has_display

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from edgevox.agent.llm.language_model import AbsentModel, LanguageModel
 from edgevox.agent.nlu.decider import Decider
-from edgevox.agent.nlu.encoder.encoder import ENCODER
+from edgevox.agent.nlu.encoder import ENCODER
 from edgevox.agent.nlu.hearing.sounds import Phonemes
 from edgevox.apps.streams import show
 from edgevox.core.errors import EdgeVoxError
@@ -27,8 +27,7 @@ _UNUSABLE = (EdgeVoxError, MemoryError, OSError, ValueError, LookupError, struct
 
 def open_decider() -> Decider | None:
     """None where the encoder cannot be had: then only what templates know is done."""
-    from edgevox.agent.nlu.encoder.encoder import Encoder
-    from edgevox.agent.nlu.meaning import read_head
+    from edgevox.agent.nlu.encoder import Encoder, read_head
 
     try:
         return Decider(Encoder(locate(ENCODER)), read_head())
@@ -76,7 +75,8 @@ def open_without(settings: Settings, fault: str) -> LanguageModel:
 def _beside_server(settings: Settings, on_board: LanguageModel | None) -> LanguageModel | None:
     if not settings.llm_endpoint:
         return on_board
-    from edgevox.agent.llm.remote import Address, EndpointModel, FallbackModel
+    from edgevox.agent.llm.remote_model import EndpointModel, FallbackModel
+    from edgevox.core.servers.address import Address
 
     server = Address(
         settings.llm_endpoint,

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Literal
 
 from edgevox.agent.conversation import Conversation
 from edgevox.agent.nlu.hearing.endings import Endings
-from edgevox.agent.nlu.hearing.prompt import HearingPrompts
+from edgevox.agent.nlu.hearing.wordings import HearingPrompts
 from edgevox.agent.phrases.load import phrasebook
 from edgevox.agent.policy import Guard
 from edgevox.agent.skills import Skill, SkillSet
@@ -36,8 +36,7 @@ from edgevox.voice.echo.played import PlayedSound
 from edgevox.voice.listener import Listener
 from edgevox.voice.sentence_synthesiser import SentenceSynthesiser, Voices
 from edgevox.voice.sinks.open_sink import open_sink
-from edgevox.voice.sinks.paced import Relay
-from edgevox.voice.sinks.tapped import TappedSink
+from edgevox.voice.sinks.paced import Relay, TappedSink
 from edgevox.voice.sources.open_source import ROS2, WavFiles, open_source
 from edgevox.voice.sources.pushed import Pushed
 from edgevox.voice.speech_output import SpeechOutput

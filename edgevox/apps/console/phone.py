@@ -7,10 +7,9 @@ from dataclasses import dataclass
 from ipaddress import ip_address
 from pathlib import Path
 
+from edgevox.console.certificates import console_url
 from edgevox.console.console_server import is_loopback
-from edgevox.console.opened import Opened, network_address
-from edgevox.console.sessions import Code, Pairing, Role
-from edgevox.console.tls import console_url
+from edgevox.console.sessions import Code, Opened, Pairing, Role, network_address
 from edgevox.core.errors import EdgeVoxError, InvalidValue
 from edgevox.core.settings import Settings
 

@@ -48,9 +48,8 @@ def serve_console(stack: ExitStack, parts: AgentParts) -> None:
 
 def _open(own: ExitStack, parts: AgentParts) -> "ConsoleServer":
     try:
-        from edgevox.apps.console.build_context import build_context
+        from edgevox.apps.console.build_context import build_context, share_sound
         from edgevox.apps.console.robot_recorder import RobotRecorder, open_recorder
-        from edgevox.apps.console.shared_sound import share_sound
         from edgevox.console.console_server import open_console
     except ModuleNotFoundError as error:
         raise EdgeVoxError(f"{error.name}: not here, expected {install_extra('console')}") from None

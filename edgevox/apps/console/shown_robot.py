@@ -22,7 +22,6 @@ from edgevox.core.errors import InvalidValue
 from edgevox.core.log import get_logger
 from edgevox.core.motion.interlock import Interlock
 from edgevox.core.transforms import Pose2D, to_map
-from edgevox.robots.battery import charge_of
 from edgevox.robots.capabilities import (
     Body,
     HasCamera,
@@ -36,6 +35,7 @@ from edgevox.robots.capabilities import (
     ReceivesPictures,
     RemembersPlaces,
     TakesVelocity,
+    charge_of,
 )
 from edgevox.robots.limits import Steering
 from edgevox.robots.places.skills import REMEMBER

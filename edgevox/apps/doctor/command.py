@@ -89,7 +89,7 @@ def _counted(answers: Sequence[CheckAnswer]) -> str:
     return " and ".join(words) + "."
 
 
-WELL, UNWELL, USAGE_ERROR = 0, 1, 2
+WELL, UNWELL = 0, 1
 AGENT = "EDGEVOX_AGENT"
 PROGRAM = "edgevox-doctor"
 

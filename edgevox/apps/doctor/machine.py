@@ -37,8 +37,15 @@ from edgevox.core.status import ComponentName, Level
 from edgevox.models import Store
 from edgevox.models.manifest import Model, ModelFile
 from edgevox.models.store import has_right_bytes, is_whole
-from edgevox.ops.machine import MIB, DiskSpace, room, rooms, unwritable
-from edgevox.ops.system_clock import NEVER_SET_BEFORE_S, synchronised
+from edgevox.ops.machine import (
+    MIB,
+    NEVER_SET_BEFORE_S,
+    DiskSpace,
+    room,
+    rooms,
+    synchronised,
+    unwritable,
+)
 
 _WITH_CAMERA = ("robot-panda", "robot-humanoid")
 

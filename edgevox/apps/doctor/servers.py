@@ -74,9 +74,9 @@ def _ask(address: Address, settings: Settings) -> None:
     One that speaks is made to, since some list voices that they cannot load. A server that hears by
     HTTP without a list of its models passes if it answers at all.
     """
+    from edgevox.core.servers.address import first_that, listed
     from edgevox.core.servers.errors import Unusable
     from edgevox.core.servers.http import HttpServer
-    from edgevox.core.servers.offer import first_that, listed
     from edgevox.voice.remote.speaking import open_speaking_server
     from edgevox.voice.remote.wyoming import SCHEMES, WyomingServer
 

@@ -7,16 +7,15 @@ from pathlib import Path
 from aiohttp import web
 
 from edgevox.apps.console_command import shown_code
-from edgevox.apps.fleet.robots_file import load_fleet
-from edgevox.apps.fleet.watch import FleetWatch
+from edgevox.apps.fleet.watch import FleetWatch, load_fleet
 from edgevox.apps.folders import console_folder
 from edgevox.apps.run_program import ShutdownSignals
 from edgevox.apps.streams import show
+from edgevox.console.certificates import Tls
 from edgevox.console.console_server import names_of, tls_of
 from edgevox.console.page_files import PageFiles
 from edgevox.console.page_server import PageServer
 from edgevox.console.sessions import Role
-from edgevox.console.tls import Tls
 from edgevox.core.clock import Clock
 from edgevox.core.files.state_files import StateFiles
 from edgevox.core.settings import Settings

@@ -1,6 +1,7 @@
 """Asks the robots of a fleet how they are: their health, and their status.
 
-What a robot answers is read as a stranger's: of wrong types, too long, or never coming.
+The robots are those of a file in YAML, written by the fleet's people. What a robot answers is read
+as a stranger's: of wrong types, too long, or never coming.
 """
 
 import http.client
@@ -11,14 +12,91 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager, suppress
 from dataclasses import asdict, dataclass, field
-from typing import Any, Literal
+from pathlib import Path
+from typing import Annotated, Any, Literal
 from urllib.parse import urlsplit
 
-from edgevox.apps.fleet.robots_file import FleetRobot
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, StringConstraints
+
 from edgevox.core.clock import Clock, SystemClock
 from edgevox.core.errors import InvalidValue
-from edgevox.core.files.json_reader import read_json
+from edgevox.core.files.user_file import read_text
+from edgevox.core.files.validation import read_json
+from edgevox.core.files.yaml_file import YamlFile
 from edgevox.core.status import Level
+
+MOST_ROBOTS = 200
+HEALTH_EXPECTED = "http://HOST:PORT, where the robot's health is served"
+RECORDER_EXPECTED = "http://HOST:PORT, where the recorder's health is served"
+CONSOLE_EXPECTED = "https://HOST:PORT, or http:, where a browser opens the robot's console"
+
+
+def _health(url: str) -> str:
+    return _server(url, HEALTH_EXPECTED)
+
+
+def _recorder(url: str) -> str:
+    return _server(url, RECORDER_EXPECTED)
+
+
+def _server(url: str, expected: str) -> str:
+    if not _has_host(url, ("http",)) or urlsplit(url).path not in ("", "/"):
+        raise ValueError(expected)
+    return url.rstrip("/")
+
+
+def _console(url: str) -> str:
+    if not _has_host(url, ("http", "https")):
+        raise ValueError(CONSOLE_EXPECTED)
+    return url
+
+
+def _has_host(url: str, schemes: tuple[str, ...]) -> bool:
+    """Return whether it is a URL of such a scheme, without user name or password."""
+    try:
+        parts = urlsplit(url)
+        return (
+            parts.scheme in schemes
+            and bool(parts.hostname)
+            and "@" not in parts.netloc
+            and (parts.port is None or parts.port > 0)
+        )
+    except ValueError:  # a port that is none, a bracket too many
+        return False
+
+
+class FleetRobot(BaseModel):
+    """The URLs of a robot.
+
+    `recorder` is the health of a recorder of its own. An empty `console` gives no link.
+    """
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    health: Annotated[str, AfterValidator(_health)]
+    recorder: Annotated[str, AfterValidator(_recorder)] = ""
+    console: Annotated[str, AfterValidator(_console)] = ""
+
+
+Name = Annotated[str, StringConstraints(min_length=1, max_length=60, strip_whitespace=True)]
+
+
+class FleetFile(BaseModel):
+    """A whole file."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    robots: Annotated[dict[Name, FleetRobot], Field(min_length=1, max_length=MOST_ROBOTS)]
+
+
+def load_fleet(path: Path) -> Mapping[str, FleetRobot]:
+    """The robots by name, in the file's order.
+
+    Raises `InvalidValue` naming the file, the field, its value and what was expected.
+    """
+    file = YamlFile(read_text(path, "robots"), path.name)
+    return file.read(FleetFile, file.data).robots
+
 
 ASK_EVERY_S = 2.0
 ANSWER_WITHIN_S = 2.0

@@ -1,6 +1,6 @@
 """The terminal as a face of EdgeVox: events become lines, lines become commands.
 
-`prompt` and `screen` are for a person, `lines` reads a pipe, `run_terminal` chooses.
+`prompt` and `screen` are for a person; `run_terminal` chooses, and reads a pipe.
 """
 
 from edgevox.apps.terminal.run_terminal import run_terminal

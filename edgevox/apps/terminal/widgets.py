@@ -28,8 +28,7 @@ from textual.widgets import Footer, Input, RichLog, Static
 
 from edgevox.core.events import State, TurnMeasured
 from edgevox.core.files.text import MAX_CHARACTERS, one_line, printable
-from edgevox.robots.battery import charge_of
-from edgevox.robots.capabilities import Body, HasMap, HasPlaces, HasPose
+from edgevox.robots.capabilities import Body, HasMap, HasPlaces, HasPose, charge_of
 
 MOST_LINES = 2000
 """Lines of the conversation, or of the log, that are kept."""

@@ -11,7 +11,7 @@ import httpx
 
 from edgevox.core.cancel import CancelToken
 from edgevox.core.errors import InvalidValue
-from edgevox.core.files.json_reader import read_json
+from edgevox.core.files.validation import read_json
 from edgevox.core.servers.address import Address
 from edgevox.core.servers.errors import LOOK_S, Unreachable, Unusable, by_status, is_alive
 from edgevox.core.servers.exchange import CONNECT_S, SILENCE_S, Exchange, Exchanges

@@ -13,6 +13,7 @@ import numpy as np
 
 from edgevox.core.errors import InvalidValue
 from edgevox.core.transforms import Pose2D, rotate
+from edgevox.robots.command_mux import clamped
 from edgevox.robots.humanoid.gait import (
     AHEAD_S,
     BEND_RAD,
@@ -147,9 +148,9 @@ class KinematicWalker:
     def _limited(self, wanted: WalkingCommand) -> WalkingCommand:
         """Slower on the same arc, if the outer foot could not keep up."""
         limits = self.limits
-        forward = _within(wanted.forward_m_s, limits.forward_m_s)
-        left = _within(wanted.left_m_s, limits.left_m_s)
-        turn = _within(wanted.turn_rad_s, limits.turn_rad_s)
+        forward = clamped(wanted.forward_m_s, limits.forward_m_s)
+        left = clamped(wanted.left_m_s, limits.left_m_s)
+        turn = clamped(wanted.turn_rad_s, limits.turn_rad_s)
         fastest = abs(forward) + abs(left) + abs(turn) * self._width_m
         slower = min(1.0, limits.forward_m_s / fastest) if fastest else 1.0
         return WalkingCommand(slower * forward, slower * left, slower * turn)
@@ -165,7 +166,7 @@ class KinematicWalker:
         speed = math.hypot(velocity.forward_m_s, velocity.left_m_s) + 0.3 * abs(velocity.turn_rad_s)
         full = min(speed / _FULL_M_S, 1.0) * math.copysign(1.0, velocity.forward_m_s)
         step = self.period_s / _EASE_S
-        self._ease += _within(full - self._ease, step)
+        self._ease += clamped(full - self._ease, step)
         for swing in self._swings:
             wave = math.cos(math.tau * (self._steps.phase - 0.4 - swing.turn))
             ahead_rad = self._ease * swing.ahead_rad * wave
@@ -308,9 +309,9 @@ class PhysicsWalker:
         self._wanted, self._asked = (
             wanted,
             WalkingCommand(
-                _within(wanted.forward_m_s / forward, plan.max_forward_m_s),
-                _within(wanted.left_m_s / left, plan.max_left_m_s),
-                _within(wanted.turn_rad_s / turn, plan.max_turn_rad_s),
+                clamped(wanted.forward_m_s / forward, plan.max_forward_m_s),
+                clamped(wanted.left_m_s / left, plan.max_left_m_s),
+                clamped(wanted.turn_rad_s / turn, plan.max_turn_rad_s),
             ),
         )
         return self._asked
@@ -340,7 +341,3 @@ def _limits(plan: WalkingPlan) -> WalkerLimits:
         exact_rad=math.radians(2.0),
         settle_s=SETTLE_S,
     )
-
-
-def _within(value: float, most: float) -> float:
-    return min(max(value, -most), most)

@@ -27,10 +27,9 @@ from edgevox.core.log import get_logger, worth_a_line
 from edgevox.core.transforms import BASE, MAP, ODOM, ORIGIN, Pose2D, compose, lift, project, rigid
 from edgevox.robots.capabilities import FREE, OCCUPIED, UNKNOWN, LidarScan, OccupancyMap, Twist2D
 from edgevox.ros2.contract_rows import latched, lossy, reliable
-from edgevox.ros2.external.camera import CameraInput
 from edgevox.ros2.external.motion import PoseEstimate
 from edgevox.ros2.external.odometry import SILENT_S, OdometryHistory, OdometrySample
-from edgevox.ros2.external.point_cloud import scan_of
+from edgevox.ros2.external.sensors import CameraInput, scan_of
 from edgevox.ros2.external.settings import FURTHEST_M, Speeds, on_the_map, sweeps
 from edgevox.ros2.external.topic_types import Close, TopicTypes, listening
 from edgevox.ros2.messages import pose_of, pose_of_transform, profile

@@ -23,8 +23,8 @@ from edgevox.core.errors import finite
 from edgevox.core.log import get_logger
 from edgevox.core.reason import NO_REASON, Reason
 from edgevox.core.transforms import MAP, Pose2D
-from edgevox.robots.battery import battery_skill
 from edgevox.robots.capabilities import HasBattery, OccupancyMap, Report, SpeedLimit, Twist2D
+from edgevox.robots.facts import battery_skill
 from edgevox.robots.limits import Bounds
 from edgevox.robots.navigation import LOCATION, TURN_TOWARDS, navigation_skills
 from edgevox.robots.places.memory import PlaceMemory

@@ -19,7 +19,7 @@ from std_msgs.msg import String
 from edgevox.core.agent_events import AgentEventKind
 from edgevox.core.clock import Clock, SystemClock
 from edgevox.core.errors import EdgeVoxError, InvalidValue
-from edgevox.core.files.json_reader import read_json_object
+from edgevox.core.files.validation import read_json_object
 from edgevox.core.log import get_logger, worth_a_line
 from edgevox.ros2.contract import ACTION
 from edgevox.ros2.contract_rows import Qos

@@ -17,6 +17,7 @@ from importlib import import_module
 from typing import Any, Literal
 
 from edgevox.core.errors import EdgeVoxError, InvalidValue
+from edgevox.core.files.validation import is_number
 from edgevox.core.files.yaml_file import value_key
 
 Kind = Literal["msg", "srv", "action"]
@@ -181,7 +182,7 @@ class Filling:
             return self._list(place, value, arguments)
         if place.type == _TIME and value == NOW:
             return self._now()
-        if place.type == _DURATION and _is_number(value):
+        if place.type == _DURATION and is_number(value):
             value = _seconds(value, place.path)
         self._fill(place.before, value, arguments, place.path)
         return place.before
@@ -210,10 +211,6 @@ class _Place:
     before: Any
     owner: Any
     path: str
-
-
-def _is_number(value: Any) -> bool:
-    return isinstance(value, int | float) and not isinstance(value, bool)
 
 
 def _seconds(value: float, path: str) -> Mapping[str, int]:
@@ -261,7 +258,7 @@ def primitive(type_name: str, value: Any, path: str, owner: Any = None) -> Any:
 
 def _real(type_name: str, value: Any, path: str) -> float:
     most = _LARGEST_FLOAT if type_name == "float" else math.inf
-    if not _is_number(value) or not math.isfinite(value) or abs(value) > most:
+    if not is_number(value) or not math.isfinite(value) or abs(value) > most:
         raise InvalidValue(path, value, f"a number that fits {type_name}")
     return float(value)
 

@@ -18,11 +18,10 @@ from wyoming.event import Event
 
 from edgevox.core.cancel import CancelToken
 from edgevox.core.errors import InvalidValue
-from edgevox.core.files.json_reader import read_json
-from edgevox.core.servers.address import Address
+from edgevox.core.files.validation import read_json
+from edgevox.core.servers.address import Address, first_that
 from edgevox.core.servers.errors import OddAnswer, RequestRefused, Unreachable, Unusable
 from edgevox.core.servers.http import HttpServer
-from edgevox.core.servers.offer import first_that
 from edgevox.voice.audio import RATE_HZ, Samples
 from edgevox.voice.remote.wyoming import SCHEMES, WyomingServer, answers, deadline, read_as
 from edgevox.voice.stt.speech_to_text import (

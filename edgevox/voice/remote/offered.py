@@ -22,9 +22,8 @@ from edgevox.core.log import get_logger
 from edgevox.core.servers.errors import OddAnswer
 from edgevox.core.servers.exchange import SILENCE_S
 from edgevox.voice.audio import RATE_HZ, Chunk, Framer, Samples
-from edgevox.voice.remote.wav_stream import PcmStream
 from edgevox.voice.remote.wyoming import BoundedReader, next_event, read_as
-from edgevox.voice.wav import Resampler
+from edgevox.voice.wav import PcmStream, Resampler
 
 log = get_logger(__name__)
 

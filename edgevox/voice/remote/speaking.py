@@ -11,13 +11,12 @@ from wyoming.tts import Synthesize, SynthesizeVoice
 from edgevox.core.cancel import CancelToken
 from edgevox.core.errors import InvalidValue
 from edgevox.core.languages import LANGUAGES
-from edgevox.core.servers.address import Address
+from edgevox.core.servers.address import Address, first_that
 from edgevox.core.servers.errors import OddAnswer, RequestRefused, Unreachable, Unusable
 from edgevox.core.servers.http import HttpServer
-from edgevox.core.servers.offer import first_that
 from edgevox.voice.audio import Chunk, Samples
-from edgevox.voice.remote.wav_stream import PcmStream, WavStream
 from edgevox.voice.remote.wyoming import SCHEMES, WyomingServer, answers, deadline, read_as
+from edgevox.voice.wav import PcmStream, WavStream
 
 MOST_BYTES = 32 << 20
 MOST_SOUND_S = 120.0

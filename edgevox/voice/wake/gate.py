@@ -4,46 +4,11 @@ Without the wake word no speech is acted on, with two exceptions. A robot that i
 stop, so a short utterance without the wake word is transcribed too. And nobody says the wake word
 to answer a question or to go on: while a follow-up is awaited, a longer utterance is transcribed,
 and its words tell whether it is one.
-
-`without_phrase` takes the wake word out of a transcript: speech to text spells it in its own ways.
 """
 
-import re
-from collections.abc import Iterable
-from difflib import SequenceMatcher
 from enum import Enum, auto
 
 from edgevox.voice.utterance_end import SpeechEnded, SpeechPaused
-
-ALIKE = 0.6
-"""The likeness, 0 to 1, from which words are the phrase: "Hey, Darvie's" is meant for "hey
-jarvis"."""
-MAX_WORDS_BEFORE = 4
-
-_WORD = re.compile(r"[\w']+")
-
-
-def without_phrase(text: str, phrase: str) -> str:
-    """Return the text after the phrase, if that is near the beginning; else the whole text."""
-    words = list(_WORD.finditer(text))
-    wanted = _joined(_WORD.findall(phrase))
-    best, end = 0.0, 0
-    for first in range(min(len(words), MAX_WORDS_BEFORE + 1)):
-        for count in range(1, len(_WORD.findall(phrase)) + 2):
-            these = words[first : first + count]
-            likeness = _likeness(_joined(match.group() for match in these), wanted)
-            if len(these) == count and likeness > best:
-                best, end = likeness, these[-1].end()
-    return text[end:].lstrip(" ,.;:!?-") if best >= ALIKE else text
-
-
-def _likeness(words: str, phrase: str) -> float:
-    return SequenceMatcher(None, words, phrase, autojunk=False).ratio()
-
-
-def _joined(words: Iterable[str]) -> str:
-    return "".join(words).casefold()
-
 
 FOLLOW_S = 8.0
 """Seconds after the wake word in which speech is for the robot."""

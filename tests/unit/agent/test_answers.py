@@ -7,9 +7,10 @@ from few_languages import few
 from support.bodies import BODIES
 from support.conversation import Talk
 
-from edgevox.agent.dialogue.acts import Answer, Answers, AnswerWords
+from edgevox.agent.dialogue.acts import Answer, Answers
 from edgevox.agent.nlu.templates import Recogniser, Understood
 from edgevox.agent.phrases.load import ENGLISH, phrasebook
+from edgevox.agent.phrases.tables import AnswerWords
 from edgevox.agent.skills import STOP
 from edgevox.agent.stop.words import SafetyWords
 from edgevox.agent.text.spelling import key

@@ -6,8 +6,13 @@ from few_languages import few
 from support.bodies import BODIES, FACTS, say_it
 
 from edgevox.agent.agents import Agent
-from edgevox.agent.dialogue.facts import OF_DIALOGUE
-from edgevox.agent.dialogue.skills import ALSO, DIALOGUE_SKILLS, REFERENCES, DialogueSkills
+from edgevox.agent.dialogue.skills import (
+    ALSO,
+    DIALOGUE_SKILLS,
+    OF_DIALOGUE,
+    REFERENCES,
+    DialogueSkills,
+)
 from edgevox.agent.known import Known
 from edgevox.agent.llm.calls import Protocol
 from edgevox.agent.nlu.templates import Recogniser, Understood

@@ -22,7 +22,7 @@ from edgevox.agent.conversation import Conversation
 from edgevox.agent.llm import factory, weights
 from edgevox.agent.llm.grammar import SAY
 from edgevox.agent.llm.language_model import ModelFailed
-from edgevox.agent.llm.remote import Address, EndpointModel, FallbackModel
+from edgevox.agent.llm.remote_model import EndpointModel, FallbackModel
 from edgevox.apps.agent.build import build_parts, start_parts
 from edgevox.apps.agent.queries import deafness
 from edgevox.apps.robots import build_body
@@ -31,6 +31,7 @@ from edgevox.core.commands import TextInput
 from edgevox.core.controls import Controls
 from edgevox.core.errors import EdgeVoxError, InvalidValue
 from edgevox.core.events import Responded
+from edgevox.core.servers.address import Address
 from edgevox.core.servers.health import FIRST_REST_S, Breaker
 from edgevox.core.settings import load_settings
 from edgevox.core.status import Level

@@ -7,10 +7,11 @@ import pytest
 from support.conversation import ORDER, TALK, CertainEncoder, Eloquent
 
 from edgevox.agent.agents import Agent
-from edgevox.agent.llm.remote.gbnf import Matcher
+from edgevox.agent.llm.gbnf import Matcher
 from edgevox.agent.nlu.decider import Decider
+from edgevox.agent.nlu.encoder import read_head
 from edgevox.agent.nlu.interpreter import Interpreter
-from edgevox.agent.nlu.meaning import Meaning, read_head
+from edgevox.agent.nlu.meaning import Meaning
 from edgevox.agent.skills import Call, GoalHandle, SkillSet, skill
 from edgevox.agent.turn import Turn
 from edgevox.core.bus import Bus

@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 from llm_server import CHAT, GOOD, ROOMS, Reply, ask, serving
 
-from edgevox.agent.llm.remote import Address
 from edgevox.core.cancel import CancelToken
+from edgevox.core.servers.address import Address
 from edgevox.core.servers.errors import Unusable
 from edgevox.core.settings import GrammarDialect
 

@@ -9,8 +9,9 @@ from guards import HUNG_S
 from llm_server import CHAT, GOOD, ROOMS, Chat, Reply, ask, failing, good, never, serving
 
 from edgevox.agent.llm.language_model import ModelFailed
-from edgevox.agent.llm.remote import Address, EndpointModel
+from edgevox.agent.llm.remote_model import EndpointModel
 from edgevox.core.cancel import CancelToken
+from edgevox.core.servers.address import Address
 from edgevox.core.servers.errors import (
     OddAnswer,
     RequestRefused,

@@ -9,8 +9,9 @@ from llm_server import Chat, Server, failing, good, never, serving
 from support.clock import HeldClock
 
 from edgevox.agent.llm.language_model import ChatMessage, ModelBusy, ModelFailed
-from edgevox.agent.llm.remote import Address, EndpointModel, FallbackModel
+from edgevox.agent.llm.remote_model import EndpointModel, FallbackModel
 from edgevox.core.cancel import CancelToken
+from edgevox.core.servers.address import Address
 from edgevox.core.servers.errors import Unreachable
 from edgevox.core.servers.health import FIRST_REST_S, LONGEST_REST_S, Breaker
 

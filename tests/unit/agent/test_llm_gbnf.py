@@ -8,9 +8,9 @@ from gbnf_walk import Walker
 from hypothesis import given
 from hypothesis import strategies as st
 
+from edgevox.agent.llm.gbnf import Matcher
 from edgevox.agent.llm.grammar import grammar
 from edgevox.agent.llm.language_model import ModelFailed
-from edgevox.agent.llm.remote.gbnf import Matcher
 from edgevox.agent.skills import SkillSet
 from edgevox.robots.flat.apartment import ApartmentRobot
 

@@ -9,7 +9,7 @@ import yaml
 from llm_server import CHAT, GOOD, ROOMS, Reply, ask, failing, good, serving
 from support.conversation import Eloquent
 
-from edgevox.agent.llm.remote import FallbackModel
+from edgevox.agent.llm.remote_model import FallbackModel
 from edgevox.core.cancel import CancelToken
 from edgevox.core.servers.errors import OddAnswer, Unreachable, Unusable
 

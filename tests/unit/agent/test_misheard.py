@@ -13,9 +13,8 @@ from edgevox.agent.agents import Agent
 from edgevox.agent.nlu.hearing.hypotheses import breaks_off, is_contested
 from edgevox.agent.nlu.hearing.near import NearCommands, NearStop
 from edgevox.agent.nlu.hearing.network import Network, Sentences
-from edgevox.agent.nlu.hearing.prompt import MOST_CHARACTERS, HearingPrompts
 from edgevox.agent.nlu.hearing.sounds import SpanTable, sounds_of
-from edgevox.agent.nlu.hearing.wordings import wordings
+from edgevox.agent.nlu.hearing.wordings import MOST_CHARACTERS, HearingPrompts, wordings
 from edgevox.agent.nlu.meaning import Meaning
 from edgevox.agent.nlu.templates import Recogniser, Understood
 from edgevox.agent.phrases.load import phrasebook

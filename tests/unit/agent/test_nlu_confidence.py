@@ -7,14 +7,9 @@ from support.conversation import ORDER, TALK, CertainEncoder, Eloquent
 
 from edgevox.agent.agents import Agent
 from edgevox.agent.nlu.decider import Decider, Readings
+from edgevox.agent.nlu.encoder import read_head
 from edgevox.agent.nlu.interpreter import Interpreter
-from edgevox.agent.nlu.meaning import (
-    ASK_FROM,
-    HEARD_FROM,
-    SURE_FROM,
-    Meaning,
-    read_head,
-)
+from edgevox.agent.nlu.meaning import ASK_FROM, HEARD_FROM, SURE_FROM, Meaning
 from edgevox.agent.skills import Call
 from edgevox.agent.turn import Turn
 from edgevox.core.bus import Bus

@@ -5,8 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from edgevox.agent.nlu.encoder.encoder import Pieces
-from edgevox.agent.nlu.encoder.packed_file import Packed, Vocabulary
+from edgevox.agent.nlu.encoder import Packed, Pieces, Vocabulary
 from edgevox.core.errors import InvalidValue
 
 

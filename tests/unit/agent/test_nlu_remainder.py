@@ -14,8 +14,8 @@ from hypothesis import strategies as st
 
 from edgevox.agent.nlu.decider import Judged, Readings
 from edgevox.agent.nlu.lexicon import words_of
+from edgevox.agent.nlu.meaning import Program
 from edgevox.agent.nlu.order_reader import ProgramReader
-from edgevox.agent.nlu.orders import Program
 from edgevox.agent.nlu.remainder import may_ask_whether
 from edgevox.agent.nlu.templates import Recogniser, Understood
 from edgevox.agent.phrases.load import phrasebook

@@ -7,8 +7,7 @@ import pytest
 from few_languages import few
 from support.bodies import BODIES, written
 
-from edgevox.agent.nlu.order_reader import ProgramReader, Unclear
-from edgevox.agent.nlu.orders import (
+from edgevox.agent.nlu.meaning import (
     After,
     Arrived,
     BatteryBelow,
@@ -21,6 +20,7 @@ from edgevox.agent.nlu.orders import (
     Steps,
     When,
 )
+from edgevox.agent.nlu.order_reader import ProgramReader, Unclear
 from edgevox.agent.nlu.templates import Recogniser, RefusedCommand, Understood
 from edgevox.agent.phrases.load import ENGLISH, phrasebook
 from edgevox.agent.stop.words import SafetyWords

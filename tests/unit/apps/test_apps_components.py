@@ -8,7 +8,7 @@ import pytest
 import yaml
 
 from edgevox.agent.llm.language_model import ModelFailed
-from edgevox.agent.llm.remote import FallbackModel
+from edgevox.agent.llm.remote_model import FallbackModel
 from edgevox.apps.agent.build import build_parts, list_components
 from edgevox.apps.folders import places_folder, written_folders
 from edgevox.core.cancel import CancelToken

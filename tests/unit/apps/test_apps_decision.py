@@ -2,8 +2,7 @@
 
 import pytest
 
-from edgevox.agent.nlu.encoder.encoder import Encoder
-from edgevox.agent.nlu.encoder.packed_file import MAGIC
+from edgevox.agent.nlu.encoder import MAGIC, Encoder
 from edgevox.apps.agent import models
 
 

@@ -2,7 +2,7 @@
 
 import pytest
 
-from edgevox.agent.llm.remote import FallbackModel
+from edgevox.agent.llm.remote_model import FallbackModel
 from edgevox.apps.agent.models import find_weights, open_model
 from edgevox.apps.agent.queries import build_queries
 from edgevox.core.bus import Bus

@@ -21,9 +21,15 @@ from support.clock import HeldClock
 
 from edgevox import __version__
 from edgevox.apps.console_command import main
-from edgevox.apps.fleet.robots_file import FleetRobot, load_fleet
 from edgevox.apps.fleet.serve import fleet_server
-from edgevox.apps.fleet.watch import FleetWatch, LastSeen, RobotStatus, ask_robot
+from edgevox.apps.fleet.watch import (
+    FleetRobot,
+    FleetWatch,
+    LastSeen,
+    RobotStatus,
+    ask_robot,
+    load_fleet,
+)
 from edgevox.console.sessions import Role
 from edgevox.core.errors import InvalidValue
 from edgevox.core.status import Components, Finding, HealthCheck, Level, Status

@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from edgevox.agent.text.reasons import because
-from edgevox.apps.terminal.lines import (
+from edgevox.apps.terminal.run_terminal import (
     MAX_AHEAD_BYTES,
     MAX_LINE_BYTES,
     InputLines,

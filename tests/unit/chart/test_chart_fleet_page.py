@@ -37,7 +37,7 @@ def test_it_asks_each_robot_whose_health_can_be_reached() -> None:
 
 
 def test_its_file_is_one_that_the_program_takes(tmp_path) -> None:
-    from edgevox.apps.fleet.robots_file import load_fleet
+    from edgevox.apps.fleet.watch import load_fleet
 
     file = tmp_path / "robots.yaml"
     file.write_text(page("ConfigMap")["data"]["robots.yaml"])

@@ -16,7 +16,7 @@ from edgevox.console.certificates import own_tls
 from edgevox.console.door import MOST, MOST_OF_SESSION
 from edgevox.console.limits import BadRequest
 from edgevox.console.sessions import Role
-from edgevox.ops.metrics.metric_table import BAD_REQUESTS
+from edgevox.ops.metric_table import BAD_REQUESTS
 from tests.console_rig import WAIT_S, Rig, console
 
 SECRET = "f00dfacef00dface.THE-SECRET-OF-SOMEBODY"  # noqa: S105 - nobody's

@@ -9,9 +9,8 @@ import aiohttp
 import pytest
 
 from edgevox.console import page_server
-from edgevox.console.certificates import DAYS, RENEW_DAYS, local_names, own_tls
+from edgevox.console.certificates import DAYS, RENEW_DAYS, CurrentTls, Tls, local_names, own_tls
 from edgevox.console.console_server import tls_of
-from edgevox.console.tls import CurrentTls, Tls
 from edgevox.core.certificates import utc_now
 from edgevox.core.errors import InvalidValue
 from edgevox.core.settings import check_settings

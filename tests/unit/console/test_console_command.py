@@ -6,10 +6,10 @@ import pytest
 
 from edgevox.apps.console_command import main
 from edgevox.apps.folders import console_folder
+from edgevox.console.certificates import console_url
 from edgevox.console.console_server import is_loopback, open_console, tls_of
 from edgevox.console.context import ConsoleContext
 from edgevox.console.sessions import Pairing, Role, Sessions
-from edgevox.console.tls import console_url
 from edgevox.core.bus import Bus
 from edgevox.core.controls import Controls
 from edgevox.core.errors import InvalidValue

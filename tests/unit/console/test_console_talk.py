@@ -2,7 +2,7 @@
 
 import json
 
-from edgevox.console.talk import MOST_TALK_BYTES, MOST_TURNS, LastTurns, messages_of
+from edgevox.console.sockets.messages import MOST_TALK_BYTES, MOST_TURNS, LastTurns, messages_of
 from edgevox.core.events import Decided, Outcome, Transcribed, TurnEnded
 
 

@@ -21,9 +21,7 @@ from edgevox.core.hearers import (
     MOST_ROBOTS,
     Hearers,
     UtteranceHeard,
-    named_in,
     read_claim,
-    without_name,
 )
 
 BEGAN_S, ENDED_S = 20.0, 22.0
@@ -406,34 +404,6 @@ def test_a_stranger_can_silence_a_robot_for_an_utterance_and_not_for_the_next():
     site.robots[0].hear(json.dumps(lies))
     site.until(30.0)
     assert [other for other, _ in site.settled[0]] == ["Eve", ""]
-
-
-@pytest.mark.parametrize(
-    ("text", "name", "rest"),
-    [
-        ("Rosie, go to the kitchen.", "Rosie", "go to the kitchen."),
-        ("Rosie go to the kitchen.", "Rosie", "go to the kitchen."),
-        ("Hey Rosee, go to the kitchen.", "Rosie", "go to the kitchen."),
-        ("Go to the kitchen, Rosie.", "Rosie", "Go to the kitchen"),
-        ("Wall-E, come here!", "Wall E", "come here!"),
-        ("Wally, come here!", "Wall E", "come here!"),
-        ("ロージー、キッチンへ行って", "ロージー", "キッチンへ行って"),
-        ("Rosie?", "Rosie", "Rosie?"),
-    ],
-)
-def test_a_name_is_called_at_the_beginning_or_the_end_and_is_no_part_of_the_order(text, name, rest):
-    names = {"a": name, "b": "Bender"}
-    assert named_in(text, names) == "a"
-    assert without_name(text, name) == rest
-
-
-@pytest.mark.parametrize(
-    "text",
-    ["Tell Rosie to go to the kitchen.", "Go to Rosie and stop there.", "", "Go to max speed now."],
-)
-def test_a_name_within_an_order_calls_nobody(text):
-    assert named_in(text, {"a": "Rosie", "b": "Max"}) == ""
-    assert without_name(text, "Rosie") == text
 
 
 def test_the_name_is_left_out_of_the_other_hypotheses():

@@ -11,9 +11,8 @@ from small_disk import small_disk
 
 from edgevox.agent.skills import SkillFailed
 from edgevox.agent.skills.skill import OneOf
-from edgevox.console.certificates import own_tls
+from edgevox.console.certificates import CurrentTls, own_tls
 from edgevox.console.sessions import Pairing, Role, Sessions
-from edgevox.console.tls import CurrentTls
 from edgevox.core.errors import InvalidValue
 from edgevox.core.files.state_files import StateFiles, write_atomically
 from edgevox.core.files.user_file import LARGEST_TEXT_BYTES
@@ -22,8 +21,7 @@ from edgevox.core.transforms import Pose2D
 from edgevox.models.manifest import ModelFile
 from edgevox.models.store import STAMPS, forget, is_whole
 from edgevox.robots.flat.apartment import ApartmentRobot
-from edgevox.robots.places.memory import PlaceMemory
-from edgevox.robots.places.store import MOST_PLACES, PlaceStore
+from edgevox.robots.places.memory import MOST_PLACES, PlaceMemory, PlaceStore
 from edgevox.robots.sim_loop import SimComponent
 
 NAMES = ("localhost", "127.0.0.1")

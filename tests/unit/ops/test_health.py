@@ -32,7 +32,7 @@ from edgevox.core.status import (
 )
 from edgevox.ops.health import Health, HealthServer
 from edgevox.ops.http_server import MOST_AT_ONCE, is_here
-from edgevox.ops.system_clock import ClockComponent
+from edgevox.ops.machine import ClockComponent
 from edgevox.robots.sim_loop import SimLoop
 from edgevox.ros2.node import Heartbeat
 

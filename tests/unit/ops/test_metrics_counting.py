@@ -33,8 +33,8 @@ from edgevox.core.events import (
 )
 from edgevox.core.status import Components, Status
 from edgevox.ops.http_server import MOST_AT_ONCE
+from edgevox.ops.metric_table import SKILLS
 from edgevox.ops.metrics import MetricsServer, Registry, observe
-from edgevox.ops.metrics.metric_table import SKILLS
 from edgevox.ros2.node import LATELY_S, Heartbeat
 
 

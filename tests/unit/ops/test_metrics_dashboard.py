@@ -10,7 +10,7 @@ import promql_parser as promql
 import pytest
 import yaml
 
-from edgevox.ops.metrics.metric_table import METRICS, Kind, Metric
+from edgevox.ops.metric_table import METRICS, Kind, Metric
 
 ROOT = Path(__file__).parents[3]
 PLACE = ROOT / "compose" / "observability"

@@ -7,7 +7,7 @@ from types import SimpleNamespace
 import pytest
 from prometheus_client.parser import text_string_to_metric_families
 
-from edgevox.agent.llm.remote import FallbackModel
+from edgevox.agent.llm.remote_model import FallbackModel
 from edgevox.agent.policy import Denied, Guard
 from edgevox.agent.text.reasons import because
 from edgevox.apps import metrics
@@ -21,7 +21,7 @@ from edgevox.core.servers.health import ServerHealth
 from edgevox.core.settings import check_settings
 from edgevox.core.status import Components, Gauges
 from edgevox.ops.health import Health
-from edgevox.ops.metrics.metric_table import METRICS
+from edgevox.ops.metric_table import METRICS
 from edgevox.robots.flat.apartment import ApartmentRobot
 from edgevox.robots.world.load import load_world
 from edgevox.ros2.open import NullBridge

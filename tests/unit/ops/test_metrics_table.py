@@ -6,9 +6,10 @@ import pytest
 from prometheus_client.parser import text_string_to_metric_families
 
 from edgevox.core.agent_events import GOAL_ENDS
+from edgevox.ops.metric_table import METRICS, SKILLS, SOURCES, Kind
 from edgevox.ops.metrics import Registry
-from edgevox.ops.metrics.metric_table import METRICS, PREFIX, SKILLS, SOURCES, Kind
 
+PREFIX = "edgevox_"
 UNITS = ("seconds", "bytes", "total", "info", "factor")
 """How the name of a number with a unit ends; all others count or say yes or no."""
 BARE = {

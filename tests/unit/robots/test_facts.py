@@ -10,9 +10,8 @@ from support.bodies import Teller
 from edgevox.agent.skills import SkillFailed, SkillSet
 from edgevox.core.cancel import CancelToken
 from edgevox.core.transforms import Pose2D
-from edgevox.robots.battery import battery_skill
 from edgevox.robots.capabilities import LidarScan, Twist2D
-from edgevox.robots.facts import facts_of, known_of
+from edgevox.robots.facts import battery_skill, facts_of, known_of
 from edgevox.robots.flat.apartment import ApartmentRobot
 from edgevox.robots.panda.skills import table_facts
 

@@ -9,8 +9,7 @@ from edgevox.agent.skills.skill import OneOf
 from edgevox.core.languages import LANGUAGES
 from edgevox.core.transforms import Pose2D
 from edgevox.robots.names import LONGEST_PLACE
-from edgevox.robots.places.memory import PlaceMemory
-from edgevox.robots.places.store import MOST_PLACES
+from edgevox.robots.places.memory import MOST_PLACES, PlaceMemory
 
 HERE = Pose2D(1.25, -2.0, 1.5)
 

@@ -13,8 +13,7 @@ from small_disk import small_disk
 from edgevox.agent.skills import SkillFailed
 from edgevox.agent.skills.skill import OneOf
 from edgevox.core.transforms import Pose2D
-from edgevox.robots.places.memory import PlaceMemory
-from edgevox.robots.places.store import PlaceStore
+from edgevox.robots.places.memory import PlaceMemory, PlaceStore
 
 HERE = Pose2D(1.25, -2.0, 1.5)
 ROBOT, WORLD = "robot-apartment", "apartment"
@@ -94,7 +93,7 @@ from edgevox.core.files import state_files
 from edgevox.agent.skills.skill import OneOf
 from edgevox.core.transforms import Pose2D
 from edgevox.robots.places.memory import PlaceMemory
-from edgevox.robots.places.store import PlaceStore
+from edgevox.robots.places.memory import PlaceStore
 state_files.os.replace = lambda *_: os._exit(9)
 one = PlaceMemory("apartment", OneOf(("kitchen",)))
 one.open(PlaceStore(Path(sys.argv[1])), "robot-apartment")

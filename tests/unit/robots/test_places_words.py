@@ -6,8 +6,8 @@ import phrases
 import pytest
 
 from edgevox.agent.llm.calls import Protocol
+from edgevox.agent.llm.gbnf import Matcher
 from edgevox.agent.llm.prompt import MOST_LEARNED
-from edgevox.agent.llm.remote.gbnf import Matcher
 from edgevox.agent.nlu.templates import Recogniser, RefusedCommand, Understood
 from edgevox.agent.skills import Call, SkillSet, skill
 from edgevox.agent.skills.skill import OneOf

@@ -8,7 +8,7 @@ from PIL import Image as Pillow
 from sensor_msgs.msg import CompressedImage, Image
 
 from edgevox.core.errors import InvalidValue
-from edgevox.ros2.external.camera import pixels_of, unpacked
+from edgevox.ros2.external.sensors import pixels_of, unpacked
 
 RED, BLUE = (200, 10, 20), (30, 40, 250)
 

@@ -9,7 +9,7 @@ from sensor_msgs.msg import PointCloud2, PointField
 from edgevox.core.errors import InvalidValue
 from edgevox.core.transforms import Pose3D
 from edgevox.robots.relative_motion import blocked, sees
-from edgevox.ros2.external.point_cloud import points_of, scan_of
+from edgevox.ros2.external.sensors import points_of, scan_of
 
 ABOVE = Pose3D(0.2, 0.0, 0.5)
 """A sensor that looks ahead, half a metre up."""

@@ -4,8 +4,8 @@ from pathlib import Path
 
 import pytest
 
+from edgevox.agent.nlu.meaning import StateIs, When
 from edgevox.agent.nlu.order_reader import ProgramReader
-from edgevox.agent.nlu.orders import StateIs, When
 from edgevox.agent.nlu.templates import Recogniser, Understood
 from edgevox.agent.skills import SkillSet
 from edgevox.apps.agent.check import check_robot

@@ -25,7 +25,7 @@ from edgevox.voice.devices import RETRY_S, DeviceMissing
 from edgevox.voice.listener import Listener
 from edgevox.voice.sentence_synthesiser import SentenceSynthesiser
 from edgevox.voice.sinks.card import SoundCardSink, open_loudspeaker
-from edgevox.voice.sources.soundcard import SoundCard, open_microphone
+from edgevox.voice.sources.open_source import SoundCard, open_microphone
 from edgevox.voice.speech_output import SpeechOutput
 from edgevox.voice.stt.speech_to_text import Transcript
 

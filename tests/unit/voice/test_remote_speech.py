@@ -17,7 +17,7 @@ from edgevox.core.cancel import CancelToken
 from edgevox.core.errors import InvalidValue
 from edgevox.core.servers.errors import OddAnswer, ServerFailed, Unreachable, Unusable
 from edgevox.voice.remote.speaking import NoVoice, open_speaking_server, voices_by_language
-from edgevox.voice.remote.wav_stream import WavStream
+from edgevox.voice.wav import WavStream
 
 WAV = wav_of()
 

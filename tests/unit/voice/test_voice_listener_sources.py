@@ -18,9 +18,8 @@ from edgevox.voice.audio import (
     rms,
 )
 from edgevox.voice.devices import Device, DeviceMissing, choose
-from edgevox.voice.sources.open_source import Nothing, WavFiles, open_source
+from edgevox.voice.sources.open_source import Nothing, SoundCard, WavFiles, open_source
 from edgevox.voice.sources.pushed import MAX_FRAMES, Pushed
-from edgevox.voice.sources.soundcard import SoundCard
 from edgevox.voice.wav import check_wav, stream_wav
 
 

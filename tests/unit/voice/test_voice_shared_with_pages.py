@@ -9,7 +9,7 @@ from support.clock import HeldClock
 from voice_script import VOICE, WAKE, Stt, Vad, Wake
 from waiting import Heard as HeardMessages
 
-from edgevox.apps.console.shared_sound import SharedSound
+from edgevox.apps.console.build_context import SharedSound
 from edgevox.core.bus import Bus
 from edgevox.core.cancel import CancelToken
 from edgevox.core.commands import Heard, Interrupt
@@ -17,8 +17,7 @@ from edgevox.core.events import SentenceReady
 from edgevox.voice.audio import FRAME_SAMPLES, Chunk, UtteranceOver
 from edgevox.voice.listener import Listener
 from edgevox.voice.sinks import PacedSink
-from edgevox.voice.sinks.paced import Silence
-from edgevox.voice.sinks.tapped import Tap, TappedSink
+from edgevox.voice.sinks.paced import Silence, Tap, TappedSink
 from edgevox.voice.sources.pushed import Pushed
 
 QUIET = CancelToken()

@@ -4,7 +4,7 @@ from collections.abc import Callable
 
 from edgevox.agent.nlu.meaning import Meaning
 from edgevox.agent.nlu.templates import RefusedCommand
-from edgevox.agent.phrases.phrasebook import Hearing
+from edgevox.agent.phrases.tables import Hearing
 from edgevox.agent.text.spelling import key
 from edgevox.core.speech import Ending
 

@@ -1,7 +1,8 @@
 """The metrics of one agent, in a registry of their own; Prometheus asks for them at /metrics.
 
-What components say of themselves is shown as the table says. What happens, and how often and how
-long, is counted here as it passes on the bus: a status says how something is now.
+`metric_table` declares every metric once. What components say of themselves is shown as the table
+says. What happens, and how often and how long, is counted here as it passes on the bus: a status
+says how something is now. Nothing here is imported unless metrics are on.
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -44,7 +45,7 @@ from edgevox.core.events import (
 from edgevox.core.log import get_logger, worth_a_line
 from edgevox.core.status import Components
 from edgevox.ops.http_server import HttpServer, Page
-from edgevox.ops.metrics.metric_table import METRICS, STAGES, Kind, Metric
+from edgevox.ops.metric_table import METRICS, STAGES, Kind, Metric
 
 log = get_logger(__name__)
 

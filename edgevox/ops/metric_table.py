@@ -9,8 +9,6 @@ from edgevox.core.commands import Way
 from edgevox.core.errors import Refusal
 from edgevox.core.events import Cause, Outcome, State
 
-PREFIX = "edgevox_"
-
 
 class Kind(StrEnum):
     """What Prometheus calls its type."""

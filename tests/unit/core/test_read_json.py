@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from edgevox.core.errors import InvalidValue
-from edgevox.core.files.json_reader import DEEPEST, read_json, read_json_object
+from edgevox.core.files.validation import DEEPEST, read_json, read_json_object
 
 JSON = st.recursive(
     st.none()

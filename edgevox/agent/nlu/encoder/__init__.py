@@ -1,1 +1,0 @@
-"""The sentence encoder, its vocabulary and the file of its weights."""
