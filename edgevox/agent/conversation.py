@@ -26,7 +26,7 @@ from edgevox.agent.policy import Guard
 from edgevox.agent.programs.keeper import Programs
 from edgevox.agent.programs.store import Timer
 from edgevox.agent.skills import STOP, Call, SkillSet
-from edgevox.agent.stop.stopping import Stopping
+from edgevox.agent.stop.stopping import STANDING, Stopping
 from edgevox.agent.text.reasons import because
 from edgevox.agent.turn import InputTiming, StateMachine, Turn
 from edgevox.core.agent_events import UtteranceLeft
@@ -62,7 +62,8 @@ log = get_logger(__name__)
 class TurnHandler:
     """Carries out one inbox item as a turn, on the conversation's thread.
 
-    `skills` must hold the skills of all agents.
+    `skills` must hold the skills of all agents. `standing` returns what to say after a stop when
+    nothing was going on.
     """
 
     def __init__(
@@ -74,7 +75,9 @@ class TurnHandler:
         executor: SkillExecutor,
         skills: SkillSet,
         states: StateMachine,
+        standing: Callable[[], str],
     ) -> None:
+        self._standing = standing
         self._bus = bus
         self._interpreter = interpreter
         self._asking = asking
@@ -135,7 +138,7 @@ class TurnHandler:
             turn.say(told)
         self._asking.go_on(after, before, turn)
         if not turn.text and turn.outcome is not Outcome.ACTED:
-            turn.say(self._interpreter.phrases.say("standing"))
+            turn.say(self._standing())
         turn.settle()
 
     def _converse(self, words: Transcribed, turn: Turn, said_s: float) -> None:
@@ -252,6 +255,7 @@ class Conversation:
             executor=self._executor,
             skills=self._skills,
             states=self._states,
+            standing=lambda: self._stopping.in_words(STANDING),
         )
         self._stopping = Stopping(
             bus,
@@ -265,6 +269,7 @@ class Conversation:
             turn=lambda: self._turn,
             phrases=lambda: interpreter.phrases,
             answer=self._answer,
+            unheard=known.unheard,
             language=language,
             phonemes=phonemes,
         )
@@ -369,7 +374,7 @@ class Conversation:
 
         The bus carries a `GoalRejected` for a refusal; nothing else happens.
         """
-        self._executor.check(Call(name, arguments), self._skills, way, mark=mark)
+        self._executor.check_begin(Call(name, arguments), self._skills, way, mark)
 
     def start_goal(
         self,

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from datetime import datetime
 
 from edgevox.agent.skills import Call, Skill
+from edgevox.core.reason import NO_REASON, Reason
 from edgevox.core.transforms import Pose2D
 
 PlaceAt = Callable[[float, float], str | None]
@@ -64,6 +65,8 @@ class Known:
     without a battery."""
     conditions: Mapping[str, StateCondition] = field(default_factory=dict)
     """What else of the robot orders can wait for, by name."""
+    unheard: Callable[[], Reason] = lambda: NO_REASON
+    """Returns the sentence that the robot was told to stop and is not heard; empty if it is."""
     today: Callable[[], datetime] = datetime.now
     """Returns the date and time where the robot is."""
 

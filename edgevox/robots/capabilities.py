@@ -5,7 +5,7 @@ positive); poses in the ``map`` frame, whose x is east and y is north (REP 105).
 called from any thread.
 """
 
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import isfinite
 from typing import Any, Literal, Protocol, runtime_checkable
@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from edgevox.agent.known import StateCondition
 from edgevox.agent.skills import Skill, SkillFailed
 from edgevox.core.cancel import CancelToken
+from edgevox.core.reason import Reason
 from edgevox.core.transforms import IDENTITY, ORIGIN, Pose2D, Pose3D, to_map
 from edgevox.robots.places.memory import PlaceMemory
 from edgevox.robots.shapes import Point
@@ -376,6 +377,10 @@ class FromFile(Protocol):
     def file_sentences(self) -> Mapping[tuple[str, str, str], str]:
         """The skill, the language and the template of each sentence; and its place in the file."""
 
+    @property
+    def file_notes(self) -> Sequence[str]:
+        """What may not be as its owner thinks."""
+
 
 @runtime_checkable
 class TellsFacts(Protocol):
@@ -387,6 +392,15 @@ class TellsFacts(Protocol):
 
         Neither programs nor the language model can call them.
         """
+
+
+@runtime_checkable
+class MayBeUnheard(Protocol):
+    """Moves elsewhere, so that nothing may be heard of it."""
+
+    @property
+    def unheard(self) -> Reason:
+        """The sentence that a stop was sent and nothing is heard; empty while it is heard."""
 
 
 @runtime_checkable

@@ -15,6 +15,7 @@ import numpy as np
 from edgevox.agent.known import Known, WayLeft, about_s, no_place
 from edgevox.agent.skills import Call, GoalHandle, OneOf, Result, Skill, SkillFailed, skill
 from edgevox.agent.skills.skill import TO_POINT
+from edgevox.core.reason import NO_REASON
 from edgevox.core.transforms import Pose2D
 from edgevox.robots.capabilities import (
     Body,
@@ -25,6 +26,7 @@ from edgevox.robots.capabilities import (
     HasPose,
     KnowsPowerDraw,
     LidarScan,
+    MayBeUnheard,
     MeasuresWays,
     RemembersPlaces,
     TakesVelocity,
@@ -69,6 +71,7 @@ def known_of(body: Body) -> Known:
         way_back=lambda: _way_back(body),
         battery=(lambda: _charge(body)) if isinstance(body, HasBattery) else None,
         conditions=body.conditions if isinstance(body, TellsConditions) else {},
+        unheard=lambda: body.unheard if isinstance(body, MayBeUnheard) else NO_REASON,
     )
 
 

@@ -71,6 +71,7 @@ _ANYWHERE = Bounds.around("map", LARGEST)
 """The world of a body that does not say where its own ends."""
 ROOM = PlaceWord("room")
 LOCATION = PlaceWord("location")
+TURN_TOWARDS = "turn_towards"
 
 
 def navigation_skills(
@@ -166,7 +167,7 @@ def _turn_towards(
         return _turn(body, goal, location, word, memory)
 
     towards = towards_room if word is ROOM else towards_location
-    return _named("turn_towards", towards, plainly=True, undoable=True)
+    return _named(TURN_TOWARDS, towards, plainly=True, undoable=True)
 
 
 def _turn(

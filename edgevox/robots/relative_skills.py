@@ -10,7 +10,7 @@ from typing import Annotated, Protocol
 from pydantic import Field
 
 from edgevox.agent.skills import GoalHandle, Result, Skill, SkillFailed, skill
-from edgevox.agent.text.reasons import because, called_off
+from edgevox.agent.text.reasons import because, called_off, number
 from edgevox.core.cancel import CancelToken
 from edgevox.core.transforms import Pose2D, distance_on_floor, turn_between
 from edgevox.robots.capabilities import Body, HasPose, Report
@@ -113,7 +113,7 @@ def _drive(body: DrivingBody, goal: GoalHandle, distance_m: float) -> Result:
         if driven_m < _WORTH_SAYING_M:
             raise
         raise SkillFailed(
-            because("stopped_short", driven=f"{driven_m:.1f}", why=failure.reason)
+            because("stopped_short", driven=number(driven_m), why=failure.reason)
         ) from failure
     return {**where(body.pose()), "driven": round(distance_on_floor(before, body.pose()), 3)}
 

@@ -230,6 +230,10 @@ class ServiceCaller(InterfaceClient):
         super().__init__(node, kind, name, clock)
         self._client = node.create_client(kind, name)
 
+    def until_ready(self, token: CancelToken, timeout_s: float) -> None:
+        """Wait until it is there. Raises `SkillFailed`, or `Cancelled`."""
+        self.until_there(self._client.service_is_ready, token, timeout_s, "not_there")
+
     def call(
         self,
         request: Any,
@@ -242,7 +246,7 @@ class ServiceCaller(InterfaceClient):
         Raises `SkillFailed` if the service is missing or silent, or `Cancelled`. `give_up` is
         called on a timeout, because the service may still be working.
         """
-        self.until_there(self._client.service_is_ready, token, timeout_s, "not_there")
+        self.until_ready(token, timeout_s)
         future = self._client.call_async(request)
         try:
             return wait_for(future, token, timeout_s)
@@ -360,6 +364,10 @@ class ActionRunner(InterfaceClient):
         super().__init__(node, kind, name, clock)
         self._client = ActionClient(node, kind, name)
 
+    def until_ready(self, token: CancelToken, timeout_s: float) -> None:
+        """Wait until it is there. Raises `SkillFailed`, or `Cancelled`."""
+        self.until_there(self._client.server_is_ready, token, timeout_s, "not_there")
+
     def run(
         self,
         goal: Any,
@@ -376,7 +384,7 @@ class ActionRunner(InterfaceClient):
         cases the action has been cancelled, and has ended if it did so within `CANCEL_S`. `GaveUp`
         has the result of an action that ended without success.
         """
-        self.until_there(self._client.server_is_ready, token, timeout_s, "not_there")
+        self.until_ready(token, timeout_s)
         until_s = self._clock.now() + timeout_s
         feedback = _Feedback()
         sent = self._ask(lambda: self._client.send_goal_async(goal, feedback.take))

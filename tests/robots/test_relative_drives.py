@@ -112,7 +112,7 @@ def test_what_comes_into_its_way_stops_it_and_it_says_how_far_it_came(meddled_ha
     driven = robot.pose().x_m - START[0]
     assert 1.0 < driven < 2.0
     assert told(robot, error) == phrases.failed(
-        "stopped_short", driven=f"{driven:.1f}", why=reasons.because("in_my_way")
+        "stopped_short", driven=reasons.number(driven), why=reasons.because("in_my_way")
     )
     assert robot.state()["collisions"] == 0
     assert max(abs(y - START[1]) for _, y in robot.trail()) < 0.02, "it goes round nothing"

@@ -10,7 +10,9 @@ from external_rig import Velocities, wheels
 from guards import run_program
 from peer import SENSOR, STATE
 from robot_file_rig import Talk
+from robot_states import moving, standing
 from sensor_msgs.msg import BatteryState
+from std_msgs.msg import Bool
 from waiting import wait_until
 
 LOCATIONS = "desk: {x: 0.8, y: 0.0, aliases: [table]}\ndock: {x: -1.0, y: 0.0}\n"
@@ -68,7 +70,7 @@ def test_a_sentence_drives_a_robot_that_only_speaks_ros_2_once_it_is_there(
 def test_the_usual_topic_of_a_battery_is_heard_and_waited_for(agent, peer, domain):
     agent("--namespace=/robot1", robot="robot-external")
     talk = Talk(peer())
-    assert phrases.why("no_battery") in talk.answer("how full is your battery")
+    assert "nothing of battery" in talk.answer("how full is your battery")
     assert talk.answer("if your battery is low, where are you") == phrases.refused("no_battery")
     robot = peer("/robot1")
     charge = robot.node.create_publisher(BatteryState, "/robot1/battery_state", SENSOR)
@@ -115,3 +117,45 @@ def test_without_rclpy_it_says_what_it_needs():
     assert done.returncode == 2
     assert "robot-external needs ROS 2, and rclpy" in done.stderr
     assert "Traceback" not in done.stderr
+
+
+GUIDED = """
+namespace: /robot1
+state: {guided: {topic: guided, type: std_msgs/msg/Bool, field: data, latched: true}}
+needs: [{state: guided, equals: true, failed: I only drive in guided mode.}]
+"""
+
+
+def test_a_drive_ends_as_soon_as_the_robot_tells_that_what_it_needs_is_lost(
+    agent, peer, domain, tmp_path
+):
+    file = tmp_path / "robot.yaml"
+    file.write_text(GUIDED)
+    robot = peer()
+    with wheels(domain=domain, namespace="/robot1"):
+        agent(f"--robot-file={file}", robot="robot-external")
+        talk, state = Talk(robot), robot.listen("robot_state", STATE)
+        guided = robot.node.create_publisher(Bool, "/robot1/guided", STATE)
+        guided.publish(Bool(data=True))
+        begun = phrases.begins("drive_forward", distance=10)
+        talk.ask_until("drive 10 metres forward", begun)
+        state.wait_for(moving)
+        with talk.told("I only drive in guided mode."):
+            guided.publish(Bool(data=False))
+        state.wait_for(standing, since=len(state.messages))
+        assert talk.answer("drive 10 metres forward") == "I only drive in guided mode."
+
+
+def test_a_stop_claims_no_stand_of_a_robot_that_is_not_heard(agent, peer, domain):
+    robot = peer()
+    with wheels(domain=domain, namespace="/robot1"):
+        agent("--namespace=/robot1", robot="robot-external")
+        talk, its = Talk(robot), peer("/robot1")
+        done = its.listen("done")
+        unseen = phrases.why("stop_unseen", topic="/robot1/odom")
+        talk.ask_until("stop", phrases.said("standing"))
+        assert phrases.why("no_battery") in talk.answer("how full is your battery")
+        its.send("do", "silent")
+        done.wait_for(lambda m: m == "silent")
+        talk.ask_until("stop", unseen)
+        assert phrases.said("standing") not in talk.answer("stop")

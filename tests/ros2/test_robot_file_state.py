@@ -37,6 +37,24 @@ skills:
     failed: "The horn says: {{why}}"
     result: {{why: message}}
     done: That was loud.
+  dock:
+    description: Drive into the dock.
+    action: {{name: dock, type: edgevox_msgs/action/ExecuteSkill}}
+    stop: {{call: {{name: honk, type: std_srvs/srv/SetBool}}, request: {{data: false}}}}
+    sentences: [dock]
+    says: Docking.
+    done: I am docked.
+  fold:
+    description: Fold the arm.
+    call: {{name: fold, type: std_srvs/srv/Trigger}}
+    needs: [{{state: door, equals: true, failed: The door is in the way.}}]
+    sentences: [fold]
+    says: Folding.
+  sing:
+    description: Sing.
+    call: {{name: choir, type: std_srvs/srv/Trigger}}
+    sentences: [sing]
+    says: Singing.
 """
 
 
@@ -82,6 +100,20 @@ def test_the_robots_own_reason_is_said_as_it_is_and_quick_skills_say_only_their_
     assert talk.answer("honk") == "The horn says: Traceback: no horn."
     asked.do("obey")
     assert talk.answer("honk") == "That was loud."
+
+
+def test_an_order_that_the_robot_is_not_ready_for_leaves_the_running_skill_alone(talk, asked):
+    talk.ask_until("is the door open", "The door is shut.")
+    asked.do("hang")
+    talk.say("dock", "Docking.")
+    asked.wait("dock")
+    assert talk.answer("go to x 1 y 2") == "The door is shut. Open it first."
+    assert talk.answer("fold") == "The door is in the way."
+    assert "choir is not there" in talk.answer("sing")
+    assert "Docking" in talk.answer("what are you doing")
+    assert asked.times("cancelled") == asked.times("honk") == 0
+    with asked.within("honk", False):
+        talk.say("stop", phrases.said("stopped"))
 
 
 def test_an_order_waits_for_the_battery_by_the_state(talk, asked):

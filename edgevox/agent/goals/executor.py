@@ -20,6 +20,7 @@ from edgevox.agent.text.reasons import because
 from edgevox.agent.turn import Turn
 from edgevox.core.agent_events import GoalRejected, GoalStatus, ToolCalled
 from edgevox.core.bus import Bus
+from edgevox.core.cancel import Cancelled, CancelToken
 from edgevox.core.commands import Way
 from edgevox.core.errors import EdgeVoxError, InvalidValue, shorten
 from edgevox.core.events import Outcome
@@ -82,6 +83,7 @@ class GoalRunner:
 
     def move(self, goals: Sequence[Goal]) -> None:
         """Run these goals in place of all that move or wait to move."""
+        goals[0].replaces = self._moving.last
         self._moving.replace(Plan(goals))
 
     def run_in_background(self, goal: Goal) -> None:
@@ -109,6 +111,8 @@ class GoalRunner:
 
 MAX_CALLS = 8
 """Number of calls that one utterance may hold."""
+READY_S = 3.0
+"""Longest time in seconds to find out whether a skill can begin, before anything is said."""
 
 
 class Follower(Protocol):
@@ -232,6 +236,39 @@ class SkillExecutor:
             raise SkillFailed(because("goals_wait", skill=call.skill, count=str(MAX_BACKGROUND)))
         return arguments
 
+    def check_begin(
+        self, call: Call, skills: SkillSet, way: Way, mark: int | None = None
+    ) -> Mapping[str, Any]:
+        """Check the call as `check` does, and that it does not end a motion for nothing."""
+        arguments = self.check(call, skills, way, mark=mark)
+        self.check_ready([Call(call.skill, arguments)], skills)
+        return arguments
+
+    def check_ready(self, calls: Sequence[Call], skills: SkillSet) -> None:
+        """Raise `SkillFailed` if these checked calls would end the running motion for nothing.
+
+        Never blocks: what is not known now refuses, unless nothing moves.
+        """
+        if self._runner.moving is not None:
+            some = [(skills[one.skill], one.arguments) for one in calls]
+            checked = [(one, one.validate(arguments)) for one, arguments in some]
+            self._look_ahead(checked, CancelToken(), 0.0)
+
+    def _look_ahead(
+        self, calls: Sequence[tuple[Skill, Mapping[str, Any]]], token: CancelToken, most_s: float
+    ) -> None:
+        """Raise if the first of these cannot begin now; they may change what later ones need.
+
+        The first that moves counts as well if it would end another motion.
+        """
+        moving = [one for one in calls if one[0].moves]
+        looked = calls[:1] if moving else ()
+        if moving and moving[0] is not calls[0] and self._runner.moving is not None:
+            looked = [calls[0], moving[0]]
+        for skill, arguments in looked:
+            if skill.ready:
+                skill.ready(token, most_s, **arguments)
+
     def begin(self, call: Call, skills: SkillSet, goal_id: str | None, way: Way, mark: int) -> Goal:
         """Run one call without a turn, and so without saying anything about it.
 
@@ -239,7 +276,7 @@ class SkillExecutor:
         `mark` is the interlock's mark when the call was asked for.
         """
         try:
-            arguments = self.check(call, skills, way, mark=mark)
+            arguments = self.check_begin(call, skills, way, mark)
         except EdgeVoxError as error:
             if not isinstance(error, Denied) or way is Way.ACTION:  # else the guard reported
                 self._reject(call, reason_of(error), way)
@@ -309,12 +346,19 @@ class SkillExecutor:
             self.run(goals, turn, source)
 
     def prepare(
-        self, calls: Sequence[Call], skills: SkillSet, turn: Turn, *, confirmed: bool = False
+        self,
+        calls: Sequence[Call],
+        skills: SkillSet,
+        turn: Turn,
+        *,
+        confirmed: bool = False,
+        later: bool = False,
     ) -> Sequence[Goal]:
         """Check the calls and return their goals for `run`.
 
-        If a call is wrong or forbidden, the turn says so, and no goals are returned. Raises
-        `NeedsConfirmation` if the policy wants a yes and the calls are not `confirmed`.
+        If a call is wrong, forbidden or, unless it is for `later`, cannot begin now, the turn says
+        so, and no goals are returned: what moves the robot goes on. Raises `NeedsConfirmation` if
+        the policy wants a yes and the calls are not `confirmed`.
         """
         try:
             goals = self._goals(calls, skills, turn, confirmed=confirmed)
@@ -331,10 +375,25 @@ class SkillExecutor:
             why, phrases = error.reason, self._phrases()
             turn.say(phrases.failure(why), Outcome.REFUSED, detail=detail(phrases, why))
         else:
-            if not (held := self._held([goal.skill for goal in goals], turn.mark)):
+            if held := self._held([goal.skill for goal in goals], turn.mark):
+                self._refuse(goals, held, turn)
+            elif later or self._ready(goals, turn):
                 return goals
-            self._refuse(goals, held, turn)
         return ()
+
+    def _ready(self, goals: Sequence[Goal], turn: Turn) -> bool:
+        """True if these goals can begin now; if not, say why."""
+        calls = [(goal.skill, goal.arguments) for goal in goals]
+        try:
+            self._look_ahead(calls, turn.token, READY_S)
+        except Cancelled:
+            return False
+        except SkillFailed as error:
+            why, phrases = error.reason, self._phrases()
+            self._reject_all(goals, why, turn)
+            turn.say(phrases.failure(why), Outcome.REFUSED, detail=detail(phrases, why))
+            return False
+        return True
 
     def run(self, goals: Sequence[Goal], turn: Turn, source: str) -> bool:
         """Acknowledge the goals and run them in order; if motion is forbidden, say so: False."""
@@ -403,9 +462,12 @@ class SkillExecutor:
 
     def _refuse(self, goals: Sequence[Goal], reason: Reason, turn: Turn) -> None:
         """Say why no goal runs, and publish a rejection for each."""
+        self._reject_all(goals, reason, turn)
+        turn.say(self._phrases().refusal(reason), Outcome.REFUSED)
+
+    def _reject_all(self, goals: Sequence[Goal], reason: Reason, turn: Turn) -> None:
         for goal in goals:
             self._reject(Call(goal.skill.name, goal.arguments), reason, turn.way, turn.number)
-        turn.say(self._phrases().refusal(reason), Outcome.REFUSED)
 
     def _reject(self, call: Call, reason: Reason, way: Way, turn: int = 0) -> None:
         arguments = shorten(json.dumps(dict(call.arguments), default=str))
@@ -455,6 +517,9 @@ class SkillExecutor:
     def _ended(self, goal: Goal) -> None:
         phrases = self._phrases()
         text = _report(phrases, goal) if goal.turn else ""
+        if text and goal.status is GoalStatus.FAILED and goal.ended_another:
+            text = f"{text} {phrases.say('stopped')}"
+        goal.replaces = None  # else each goal would keep the one before it
         if text:
             self._announce(text, detail(phrases, goal.reason))
         for follower in self._followers:

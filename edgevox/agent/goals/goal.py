@@ -69,6 +69,8 @@ class Goal:
         self.feedback: Mapping[str, Any] = {}
         self.result: Mapping[str, Any] = {}
         self.reason = NO_REASON
+        self.replaces: Goal | None = None
+        """The goal that had to end for this one."""
         self._bus = bus
         self._leave = leave
         self._forbidden = NO_REASON
@@ -80,6 +82,11 @@ class Goal:
     def error(self) -> str:
         """The reason why the goal did not succeed, in English; empty if it did or still runs."""
         return str(self.reason)
+
+    @property
+    def ended_another(self) -> bool:
+        """True if another goal was cancelled for this one."""
+        return self.replaces is not None and self.replaces.status is GoalStatus.CANCELLED
 
     @property
     def token(self) -> CancelToken:

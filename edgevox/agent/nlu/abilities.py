@@ -9,23 +9,22 @@ from edgevox.agent.nlu.lexicon import plain, words_of
 from edgevox.agent.phrases.load import ENGLISH, phrasebook
 from edgevox.agent.phrases.phrasebook import MOST_SPOKEN, Phrasebook
 from edgevox.agent.skills import STOP, Skill
-from edgevox.agent.text.words import as_part
+from edgevox.agent.text.words import as_part, as_sentence
 
 
 def abilities(book: Phrasebook, skills: Sequence[Skill]) -> tuple[str, str]:
-    """A sentence with a few abilities, and one with all if there are more.
+    """A sentence with a few abilities, and one with the others if there are more.
 
     Abilities of this robot alone come first, and how to stop it comes last.
     """
     actions = [_can(book, one) for one in _telling(book, skills)]
     if not actions:
         return "", ""
-    everything = book.say("abilities", actions="; ".join(actions))
     if len(actions) <= MOST_SPOKEN:
-        return everything, ""
-    few = "; ".join(actions[: MOST_SPOKEN - 1])
-    more = len(actions) - MOST_SPOKEN + 1
-    return book.say("abilities_more", actions=few, count=more), everything
+        return book.say("abilities", actions="; ".join(actions)), ""
+    few, others = actions[: MOST_SPOKEN - 1], actions[MOST_SPOKEN - 1 :]
+    said = book.say("abilities_more", actions="; ".join(few), count=len(others))
+    return said, as_sentence("; ".join(others))
 
 
 def not_understood(book: Phrasebook, skills: Sequence[Skill]) -> tuple[str, str]:
@@ -35,8 +34,8 @@ def not_understood(book: Phrasebook, skills: Sequence[Skill]) -> tuple[str, str]
     """
     if not skills:
         return book.say("not_understood"), ""
-    few, everything = abilities(book, skills)
-    if everything:
+    few, others = abilities(book, skills)
+    if others:
         question = book.say("abilities_question")
         few = f"{few} {book.say('abilities_all', question=question)}"
     return book.say("not_understood_but", action=_can(book, _telling(book, skills)[0])), few

@@ -28,13 +28,13 @@ from edgevox.agent.text.spelling import key
 from edgevox.agent.text.words import (
     Word,
     as_part,
+    as_said,
     as_sentence,
     bare,
     fields,
     in_brackets,
     in_english,
     spoken_name,
-    whole_number,
     word_of,
     worded,
 )
@@ -469,7 +469,7 @@ class Phrasebook:
             return self._join([self._thing_at(name, place) for name, place in there]) or None
         if isinstance(value, Sequence):
             return self.listing(list(map(value_key, value))) or None
-        return whole_number(value)
+        return as_said(value)
 
     def _thing_at(self, name: str, place: str) -> str:
         return self.say("thing_at", thing=self.word(name), place=self.word(place))
@@ -488,7 +488,7 @@ class Phrasebook:
             return self.words.get(key(value), in_english(value))
         if isinstance(value, list | tuple):
             return self.listing(list(map(value_key, value)))
-        return whole_number(value)
+        return as_said(value)
 
     def _smooth(self, text: str) -> str:
         for pattern, replacement in self.smoothing:

@@ -76,7 +76,9 @@ class _Permission:
             turn.say(self._phrases().refusal(error.reason), Outcome.REFUSED)
             return False
         calls = calls_of(program)
-        prepared = self._executor.prepare(calls, self._skills, turn, confirmed=confirmed)
+        prepared = self._executor.prepare(
+            calls, self._skills, turn, confirmed=confirmed, later=True
+        )
         return bool(prepared) or not calls
 
     def check(self, kept: Kept) -> None:
@@ -282,7 +284,11 @@ class Programs:
             self._fail(kept, reason_of(error))
 
     def _launch(self, kept: Kept) -> None:
-        """Run the steps as one goal whose events stay here. Raises while motion is forbidden."""
+        """Run the steps as one goal whose events stay here.
+
+        Raises while motion is forbidden, or if the first step would end a motion for nothing.
+        """
+        self._executor.check_ready(calls_of(kept.program)[:1], self._skills)
         run = ProgramRun(
             kept.program,
             make=partial(self._permission.step, kept),

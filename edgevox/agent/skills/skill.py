@@ -191,6 +191,16 @@ class SkillPhrases:
     dock"."""
 
 
+class Ready(Protocol):
+    """Looks whether a skill can begin now, without beginning it."""
+
+    def __call__(self, token: CancelToken, most_s: float, /, **arguments: Any) -> None:
+        """Raise `SkillFailed` with the reason why it cannot, or `Cancelled` by the token.
+
+        It may wait so many seconds for what it has not heard yet; with 0 it never blocks.
+        """
+
+
 @dataclass(frozen=True)
 class Skill:
     """A skill of a robot."""
@@ -221,6 +231,8 @@ class Skill:
     check: Callable[..., None] | None = None
     """Raises `SkillFailed` for arguments that can never be honoured, such as a point outside the
     world, before a goal is accepted. Must be quick and do nothing else."""
+    ready: "Ready | None" = None
+    """Raises `SkillFailed` if it cannot begin now, before it replaces what moves the robot."""
     relative: bool = False
     """True if it moves by an amount and not to a place, so that it can go on further."""
     towards_rad: float = 0.0
@@ -430,6 +442,7 @@ __all__ = [
     "NewName",
     "OneOf",
     "OwnName",
+    "Ready",
     "Result",
     "Skill",
     "SkillFailed",

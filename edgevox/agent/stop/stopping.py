@@ -34,8 +34,8 @@ SAME_WORD_S = 1.0
 KNOWN_MARKS = 64
 """Number of stops and releases remembered with their times: more than happen during one
 utterance."""
-_STANDING = "standing"
-_TOLD = ("", _STANDING, "stopped", "program_stopped")
+STANDING = "standing"
+_TOLD = ("", STANDING, "stopped", "program_stopped")
 """Names of the sentences said after a stop, in order of weight: of two, the later one is said."""
 
 
@@ -70,6 +70,7 @@ class Stopping:
         turn: Callable[[], Turn | None],
         phrases: Callable[[], Phrasebook],
         answer: Answer,
+        unheard: Callable[[], Reason],
         language: str,
         phonemes: Phonemes | None = None,
     ) -> None:
@@ -87,6 +88,7 @@ class Stopping:
             turn: Returns the running turn, or None.
             phrases: Returns the sentences of the current language.
             answer: Has the words after a stop word answered by one of the robots that heard them.
+            unheard: Returns the sentence that the robot is not heard; empty if it is heard.
             language: ISO 639-1 code of the first language whose stop words count.
             phonemes: Pronunciations, to also find misheard stop words while something moves; None
                 turns this off.
@@ -105,6 +107,7 @@ class Stopping:
         self._turn = turn
         self._phrases = phrases
         self._have_answered = answer
+        self._unheard = unheard
         self._phonemes = phonemes
         self.set_language(language)
         self._stopped_s = self._spotted_s = self._withdrawn_s = float("-inf")
@@ -217,14 +220,22 @@ class Stopping:
             said, self._untold = self._untold, ""
         if text:
             self._bus.publish(Transcribed(clean(text)))
-        self._answer("" if said == _STANDING else said)
+        self._answer("" if said == STANDING else said)
 
     def _answer(self, told: str) -> None:
         """Say the sentence with this name; if it is empty, only go back to listening."""
         if told:
-            self._inbox.announce(self._phrases().say(told))
+            self._inbox.announce(self.in_words(told))
         else:
             self._inbox.put(inbox.Settle())
+
+    def in_words(self, told: str) -> str:
+        """The sentence with this name; it claims no stand of a robot that is not heard."""
+        phrases, unheard = self._phrases(), self._unheard()
+        if not unheard:
+            return phrases.say(told)
+        sentence = phrases.failure(unheard)
+        return sentence if told == STANDING else f"{phrases.say(told)} {sentence}"
 
     def _stop_word(self, word: str, words: TextInput | Heard) -> None:
         said_s, spotted = self._clock.now(), False
@@ -239,14 +250,14 @@ class Stopping:
         self._bus.publish(Transcribed(clean(words.text)))
         with self._inbox.gate:
             untold, self._untold = self._untold, ""
-        if stopped or not spotted or untold == _STANDING:
+        if stopped or not spotted or untold == STANDING:
             self._bus.publish(SafetyPreempted(word, stopped))
         tell = stopped or untold or not spotted
         told = _weightier(untold, _told(stopped=stopped, waited=waited)) if tell else ""
         before, after = self._safety.around(word, words.text)
         if after:
-            mark, said = self._interlock.mark, "" if told == _STANDING else told
-            text = self._phrases().say(said) if said else ""
+            mark, said = self._interlock.mark, "" if told == STANDING else told
+            text = self.in_words(said) if said else ""
             self._have_answered(
                 words,
                 lambda own: self._continue(inbox.Stopped(text, own, before, after), mark),
@@ -360,7 +371,7 @@ def _begun_before(heard: Heard, stopped_s: float) -> bool:
 
 
 def _told(*, stopped: bool, waited: bool) -> str:
-    return ("program_stopped" if waited else "stopped") if stopped else _STANDING
+    return ("program_stopped" if waited else "stopped") if stopped else STANDING
 
 
 def _weightier(one: str, other: str) -> str:

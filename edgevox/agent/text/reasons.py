@@ -5,7 +5,7 @@ from functools import cache
 from typing import Any
 
 from edgevox.agent.text.spelling import key
-from edgevox.agent.text.words import Word, word_of
+from edgevox.agent.text.words import SpokenNumber, Word, word_of
 from edgevox.core.languages import language_file
 from edgevox.core.reason import Named, Reason, in_english
 
@@ -31,6 +31,11 @@ def called_off(why: str) -> Reason:
     """
     text = _english()["called_off"][why]
     return because("called_off", text)
+
+
+def number(value: float) -> str:
+    """A number of a reason as people say it: at most one decimal, and 2 rather than 2.0."""
+    return f"{SpokenNumber(value):.1f}"
 
 
 def in_words(sentence: str, values: Mapping[str, About]) -> str:

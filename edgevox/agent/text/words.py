@@ -103,9 +103,22 @@ OTHER = "other"
 """The key of what is said for every value without words of its own; it may name the value."""
 
 
-def whole_number(value: Any) -> Any:
-    """A number without a fraction as people say it, 2 and not 2.0; others as they are."""
-    return int(value) if isinstance(value, float) and value.is_integer() else value
+class SpokenNumber(float):
+    """A number as people say it, 2 and not 2.0, however many decimals its sentence has."""
+
+    def __format__(self, spec: str) -> str:
+        said = super().__format__(spec)
+        if "." in said and said.lstrip("-").replace(".", "").isdigit():
+            said = said.rstrip("0").rstrip(".")
+        return "0" if said == "-0" else said
+
+    def __str__(self) -> str:
+        return format(self, "")
+
+
+def as_said(value: Any) -> Any:
+    """A number as people say it; others as they are."""
+    return SpokenNumber(value) if isinstance(value, float) else value
 
 
 def worded(values: Mapping[str, Any], words: Mapping[str, Mapping[str, str]]) -> Mapping[str, Any]:

@@ -68,7 +68,8 @@ def _tell_file(body: FromFile, skills: Sequence[Skill]) -> bool:
     works = not body.skills_off
     for name, why in body.skills_off.items():
         show(one_line(f"{name} is off: {why}"), error=True)
-    for one in (*conflicts(body, skills), *_stops(body)):
+    notes = [f"note: {one}" for one in body.file_notes]
+    for one in (*conflicts(body, skills), *_stops(body), *notes):
         show(one_line(str(one)), error=True)
         works &= isinstance(one, str)
     return works
@@ -139,10 +140,18 @@ def _conflict(
     if [call.skill for call in found.calls] != [one.name]:
         taken = " and ".join(call.skill for call in found.calls)
         return InvalidValue(where, sentence, f"another sentence: it asks for {taken}")
+    if left := sorted(_required(one) - found.calls[0].arguments.keys()):
+        expected = f"a sentence with {{{left[0]}}}, or a default for this argument"
+        return InvalidValue(where, sentence, expected)
     also = others.recognise(sentence)
     if isinstance(also, Understood) and not also.unsure and also.calls[0].skill != STOP:
         return f"note: {where}: {sentence!r} no longer asks for {also.calls[0].skill}"
     return None
+
+
+def _required(one: Skill) -> set[str]:
+    fields = one.arguments_model.model_fields.items()
+    return {name for name, field in fields if field.is_required()}
 
 
 def _samples(template: str, one: Skill, book: Phrasebook) -> Iterator[str]:

@@ -52,6 +52,7 @@ def _build(settings: Settings, _speed: float | None) -> Body:
         robot = StationaryRobot(namespace, loaded.skills, states=loaded.states)
     robot.about, robot.own_policy = described.robot.about, described.policy
     robot.skills_off, robot.file_sentences = loaded.off, described.sentences
+    robot.file_notes = described.notes
     return robot
 
 

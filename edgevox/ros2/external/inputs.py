@@ -332,6 +332,7 @@ class SensorInputs:
             child_frame=message.child_frame_id or BASE,
             stamp_ns=to_ns(message.header.stamp),
             heard_s=self._clock.now(),
+            height_m=at.position.z,
         )
         if not self.odometry_history.add(sample) and self._is_news("odometry"):
             log.warning("odometry_impossible", topic=self.odom_topic)

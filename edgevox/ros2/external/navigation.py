@@ -8,6 +8,7 @@ EdgeVox steers a drive by some metres or degrees itself, in the odometry's frame
 could lead the robot round an obstacle, and localisation could move its line.
 """
 
+import math
 from abc import abstractmethod
 from collections.abc import Callable
 from contextlib import AbstractContextManager
@@ -211,6 +212,10 @@ def _moved(one: Pose2D, other: Pose2D) -> bool:
 RECALL_EVERY_S = 0.25
 """A goal on its way when it was cancelled would survive it: so it is cancelled again."""
 HOLD_AT_LEAST_S = 1.0
+SPEED_UP_RAD_S2 = 1.0
+"""The acceleration of turns that EdgeVox steers."""
+_LONGEST_STEP_S = 0.1
+"""The longest time between two velocities for which a robot speeds up."""
 LATE_S = 0.5
 """After a pause of the loop this long, messages of the meantime may wait to be read."""
 
@@ -231,7 +236,8 @@ class ZeroVelocity(Motion):
 class ControlLoop:
     """The loop; the body holds the lock for `start` and `tick`.
 
-    `mux` decides what moves the robot. `hold` is the newest halt's.
+    `mux` decides what moves the robot. `hold` is the newest halt's. `check_driven` raises
+    `SkillFailed` as soon as a drive may not go on.
     """
 
     def __init__(
@@ -243,7 +249,12 @@ class ControlLoop:
         *,
         clock: Clock,
         obey_s: float,
+        speed_up_m_s2: float = math.inf,
+        check_driven: Callable[[], None] = lambda: None,
     ) -> None:
+        self._speed_up_m_s2 = speed_up_m_s2
+        self._sent, self._sent_s = STILL, clock.now()
+        self._check_driven = check_driven
         self.mux: CommandMux[ExternalMotion] = CommandMux(lock, on_halt=self._stand)
         self.hold = ZeroVelocity(clock.now())
         self.hold.end()
@@ -269,8 +280,22 @@ class ControlLoop:
             raise
 
     def steer(self, twist: Twist2D) -> None:
-        """Turn the wheels for a drive that steers them, no faster than it may."""
-        self._wheels.turn(self.mux.limit(twist))
+        """Turn the wheels for a drive that steers them, no faster than it may.
+
+        They speed up by the robot's acceleration, and slow down at once.
+        """
+        wanted, sent = self.mux.limit(twist), self._sent
+        passed_s = min(self._clock.now() - self._sent_s, _LONGEST_STEP_S)
+        self._send(
+            Twist2D(
+                _sped_up(sent.linear_m_s, wanted.linear_m_s, self._speed_up_m_s2 * passed_s),
+                _sped_up(sent.angular_rad_s, wanted.angular_rad_s, SPEED_UP_RAD_S2 * passed_s),
+            )
+        )
+
+    def _send(self, twist: Twist2D) -> None:
+        self._sent, self._sent_s = twist, self._clock.now()
+        self._wheels.turn(twist)
 
     def tick(self) -> None:
         """Go on with what is asked.
@@ -292,6 +317,7 @@ class ControlLoop:
         try:
             if estimate is None:
                 raise SkillFailed(because("robot_silent", topic=self._senses.odom_topic))
+            self._check_driven()
             drive.tick(now_s, estimate)
         except SkillFailed as failure:
             self.mux.halt(failure)
@@ -300,7 +326,7 @@ class ControlLoop:
         """Zero velocity at once, and until the robot is seen to stand."""
         estimate, now_s = self._senses.estimate(), self._clock.now()
         held = not self.hold.done
-        self._wheels.turn(STILL)
+        self._send(STILL)
         if drive is not None:
             drive.cancel(estimate)
         else:
@@ -311,7 +337,7 @@ class ControlLoop:
         self.hold.since_s = now_s
 
     def _hold_on(self, hold: ZeroVelocity, now_s: float) -> None:
-        self._wheels.turn(STILL)
+        self._send(STILL)
         if now_s - hold.recalled_s >= RECALL_EVERY_S:
             hold.recalled_s = now_s
             self._goals.recall(None)
@@ -327,6 +353,12 @@ class ControlLoop:
         if self._senses.odometry_history.fresh() is None:
             return because("stop_unseen", topic=self._senses.odom_topic)
         return because("still_moves")
+
+
+def _sped_up(sent: float, wanted: float, most: float) -> float:
+    """The wanted speed, but faster than the one that was sent by no more than that."""
+    before = abs(sent) if sent * wanted > 0 else 0.0
+    return math.copysign(min(abs(wanted), before + most), wanted)
 
 
 _LATE_S = 0.2

@@ -16,6 +16,8 @@ STANDING_FOR_S = 0.3
 """Seconds without motion after which a robot stands."""
 _STILL_M_S, _STILL_RAD_S = 0.02, 0.05
 _SHIFT_M, _SHIFT_RAD = 0.01, 0.02
+_MOTION_S = 0.5
+"""Seconds of poses that show whether a robot moves."""
 _KEPT = 64
 
 
@@ -31,6 +33,7 @@ class OdometrySample:
     """The robot's time, in nanoseconds."""
     heard_s: float
     """EdgeVox's clock at arrival, in seconds."""
+    height_m: float = 0.0
 
     @property
     def still(self) -> bool:
@@ -115,6 +118,22 @@ class OdometryHistory:
         """Return whether no motion is seen; a silent robot shows none."""
         seen = self.fresh()
         return seen is None or seen.still
+
+    def moves(self) -> bool:
+        """Return whether any motion is seen: in the newest velocity, or between recent poses.
+
+        Poses count as well because many robots fill in their velocity in part, or not at all.
+        """
+        seen = self.fresh()
+        if seen is None:
+            return False
+        with self._lock:
+            recent = [one for one in self._heard if seen.heard_s - one.heard_s <= _MOTION_S]
+        steady = all(
+            _together(one.pose, seen.pose) and abs(one.height_m - seen.height_m) < _SHIFT_M
+            for one in recent
+        )
+        return not (seen.still and steady)
 
     def _note(self, sample: OdometrySample, jump: Jump | None) -> None:
         number = self._doubt.number + 1 if self._doubt else 1

@@ -21,15 +21,17 @@ from edgevox.core.cancel import Cancelled, CancelToken
 from edgevox.core.clock import Clock, SystemClock
 from edgevox.core.errors import finite
 from edgevox.core.log import get_logger
+from edgevox.core.reason import NO_REASON, Reason
 from edgevox.core.transforms import MAP, Pose2D
 from edgevox.robots.capabilities import HasBattery, OccupancyMap, Report, SpeedLimit, Twist2D
 from edgevox.robots.facts import battery_skill
 from edgevox.robots.limits import Bounds
-from edgevox.robots.navigation import LOCATION, navigation_skills
+from edgevox.robots.navigation import LOCATION, TURN_TOWARDS, navigation_skills
 from edgevox.robots.places.memory import PlaceMemory
 from edgevox.robots.relative_motion import Course, StraightCourse, TurnCourse
 from edgevox.robots.relative_skills import driving_skills, where
 from edgevox.ros2.agent_node_handle import AgentNodeHandle
+from edgevox.ros2.clients import interface_reason
 from edgevox.ros2.contract import EXTERNAL_NODE
 from edgevox.ros2.external.inputs import incredible
 from edgevox.ros2.external.motion import (
@@ -49,6 +51,7 @@ from edgevox.ros2.external.navigation import (
 from edgevox.ros2.external.robot_node import RobotNode
 from edgevox.ros2.external.settings import FURTHEST_M, ExternalSettings, Location, SteeringLimits
 from edgevox.ros2.node import RosNode
+from edgevox.ros2.robot_file.format import BATTERY
 from edgevox.ros2.robot_file.skills import DescribedSkill
 from edgevox.ros2.robot_file.state import NO_STATES, RobotStates
 from edgevox.ros2.stamps import NS_PER_S
@@ -77,6 +80,7 @@ class ExternalRobot:
     """The policy that its file names or holds, for where no setting names one."""
     skills_off: Mapping[str, str] = MappingProxyType({})
     file_sentences: Mapping[tuple[str, str, str], str] = MappingProxyType({})
+    file_notes: Sequence[str] = ()
     """What it has of a file; see `FromFile`."""
 
     def __init__(
@@ -110,7 +114,7 @@ class ExternalRobot:
         self.conditions = states.conditions()
         """What its states let orders wait for."""
         if states.has_battery:
-            self.battery = states.battery
+            self.battery = self._charge
         self.ros = AgentNodeHandle(self._clock)
         """Access to its node, for skills."""
         own = navigation_skills(
@@ -122,11 +126,17 @@ class ExternalRobot:
             # Before ours: its owner's sentences count first, unless they take any words.
             *(one for one in its if not one.free_text),
             *(
-                replace(one, function=self._stop_and_see) if one.name == STOP else one
+                replace(one, function=self._stop_and_see)
+                if one.name == STOP
+                else self._looking_ahead(one, turns=one.name == TURN_TOWARDS)
                 for one in own
             ),
             *(one for one in its if one.free_text),
-            *(one for one in driving_skills(self) if one.name not in taken),
+            *(
+                self._looking_ahead(one, turns=True)
+                for one in driving_skills(self)
+                if one.name not in taken
+            ),
         )
 
     @property
@@ -160,6 +170,15 @@ class ExternalRobot:
         return f"nothing more is heard on {robot_node.senses.odom_topic}"
 
     @property
+    def unheard(self) -> Reason:
+        """Why it is not known whether it stands after a stop; empty if it is."""
+        robot_node = self._robot_node
+        if robot_node is None or not self.fault:
+            return NO_REASON
+        unseen = because("stop_unseen", topic=robot_node.senses.odom_topic)
+        return replace(unseen, is_sentence=True)
+
+    @property
     def doubts(self) -> Sequence[str]:
         """What is not as it should be with the types of its topics, each in a few words."""
         return self._robot_node.types.doubts if self._robot_node else []
@@ -188,6 +207,7 @@ class ExternalRobot:
             self._lock,
             described=(*self._described, self._states),
             handle=self.ros,
+            check_driven=self._states.check_driven,
         )
         self._robot_node.control.mux.limit = self._limit
         self._robot_node.start()
@@ -331,24 +351,57 @@ class ExternalRobot:
     ) -> None:
         robot_node = self._switched_on()
 
-        def make(estimate: PoseEstimate, backend: MotionBackend) -> ExternalMotion:
+        def make(estimate: PoseEstimate, backend: MotionBackend) -> ExternalMotion:  # noqa: ARG001
             robot_node.check_wheels()
-            motion = ExternalRelativeMotion(
-                course,
-                robot_node.senses,
-                self._settings,
-                estimate,
-                now_s=self._clock.now(),
-                turn=robot_node.control.steer,
-                recall=robot_node.recall,
-                sighted=backend.name != OwnSteering.name,  # Nav2 would see what no lidar here does
-            )
-            self.check_goal(motion.target.x_m, motion.target.y_m)
-            return motion
+            return self._relative(course, robot_node, estimate)
 
         motion = self._begin(robot_node, make, token)
         mux = robot_node.control.mux
         mux.carry_out(motion, token, lambda: self._report_relative(motion, report))
+
+    def _relative(
+        self,
+        course: Callable[[Pose2D, SteeringLimits], Course],
+        robot_node: RobotNode,
+        estimate: PoseEstimate,
+    ) -> ExternalRelativeMotion:
+        """A motion that has not begun. Raises `SkillFailed` where it cannot begin."""
+        motion = ExternalRelativeMotion(
+            course,
+            robot_node.senses,
+            self._settings,
+            estimate,
+            now_s=self._clock.now(),
+            turn=robot_node.control.steer,
+            recall=robot_node.recall,
+            sighted=robot_node.takes_goals,  # Nav2 would see what no lidar here does
+        )
+        self.check_goal(motion.target.x_m, motion.target.y_m)
+        return motion
+
+    def _looking_ahead(self, one: Skill, *, turns: bool) -> Skill:
+        """The skill, which looks whether it could drive now before it ends another motion.
+
+        `turns`: EdgeVox always turns the wheels for it.
+        """
+
+        def ready(token: CancelToken, most_s: float, /, **arguments: Any) -> None:
+            robot_node = self._switched_on()
+            self._states.check_driving(token, most_s)
+            robot_node.until_heard(token, most_s, turns=turns)
+            estimate = self._estimate()
+            if turns or not robot_node.takes_goals:
+                robot_node.check_wheels()
+            if turns and "distance" in arguments:  # it may not see its way
+                ahead = math.copysign(arguments["distance"], math.cos(one.towards_rad))
+                with self._lock:
+                    self._relative(
+                        lambda pose, limits: StraightCourse(pose, ahead, limits),
+                        robot_node,
+                        estimate,
+                    )
+
+        return replace(one, ready=ready) if one.drives else one
 
     def _begin(
         self,
@@ -380,15 +433,27 @@ class ExternalRobot:
         if moved:
             hold.wait_for(self._settings.obey_s + 1.0)
         hold.check()
+        if self.unheard:
+            raise SkillFailed(self.unheard)
         return {"was_moving": moved}
 
     def _stand(self, robot_node: RobotNode, reason: str) -> tuple[bool, ZeroVelocity]:
         """Stop; return whether the robot moved or drove, and the hold that it is under now."""
         with self._lock:
             self._stops += 1
-            moving = not robot_node.senses.odometry_history.still()
+            moving = robot_node.senses.odometry_history.moves()
             drove = robot_node.control.mux.halt(Cancelled(reason))
             return moving or drove, robot_node.control.hold
+
+    def _charge(self) -> float:
+        """Its charge, from 0 to 1. Raises `SkillFailed`: a silent robot may have a battery."""
+        try:
+            return self._states.battery()
+        except SkillFailed as error:
+            named = any(one.startswith("battery_state:=") for one in self._settings.remappings)
+            if error.reason.code == "no_battery" and (named or self.unheard):
+                raise SkillFailed(interface_reason("unheard", what=BATTERY)) from None
+            raise
 
     def _switched_on(self) -> RobotNode:
         if self._robot_node is None:
@@ -438,6 +503,7 @@ class StationaryRobot:
     """The policy that its file names or holds, for where no setting names one."""
     skills_off: Mapping[str, str] = MappingProxyType({})
     file_sentences: Mapping[tuple[str, str, str], str] = MappingProxyType({})
+    file_notes: Sequence[str] = ()
     """What it has of a file; see `FromFile`."""
 
     def __init__(

@@ -65,6 +65,7 @@ class RobotNode:
         *,
         described: Sequence[DescribedSkill | RobotStates] = (),
         handle: AgentNodeHandle | None = None,
+        check_driven: Callable[[], None] = lambda: None,
     ) -> None:
         self._settings, self._clock, self._lock = settings, clock, lock
         ros_args = [*sys.argv, *settings.remappings] if settings.remappings else ()
@@ -82,7 +83,14 @@ class RobotNode:
         nav2 = nav2_action(node, self._cancel.cancel_all, settings.goal_patience)
         self._takers: list[MotionBackend] = [nav2, goals] if nav2 else [goals]
         self.control = ControlLoop(
-            lock, self.senses, wheels, goals, clock=clock, obey_s=settings.obey_s
+            lock,
+            self.senses,
+            wheels,
+            goals,
+            clock=clock,
+            obey_s=settings.obey_s,
+            speed_up_m_s2=settings.steering.max_linear_m_s2,
+            check_driven=check_driven,
         )
         self._steering = OwnSteering(
             self.control.steer,
@@ -136,6 +144,27 @@ class RobotNode:
             until_s = self._clock.now() + SILENT_S
             self._wait(token, lambda: self.senses.estimate() is not None, until_s)
         return next((one for one in self._takers if one.available()), self._steering)
+
+    @property
+    def takes_goals(self) -> bool:
+        """Whether a node takes goals now, as far as the graph is known."""
+        return any(one.available() for one in self._takers)
+
+    def until_heard(self, token: CancelToken, most_s: float, *, turns: bool) -> None:
+        """Wait until the robot can be driven, as long as `choose` would, and so many seconds.
+
+        `turns`: it is not enough that it takes goals. Raises `Cancelled`.
+        """
+        now_s = self._clock.now()
+        late_s = now_s + SILENT_S if self.senses.odometry_history.newest() else now_s
+        until_s = min(now_s + most_s, max(self._discovered_s, late_s))
+        self._wait(token, lambda: self.senses.estimate() is not None, until_s)
+        until_s = min(until_s, self._discovered_s)
+        self._wait(
+            token,
+            lambda: self.types.is_there("cmd_vel") or (self.takes_goals and not turns),
+            until_s,
+        )
 
     def check_wheels(self) -> None:
         """Raise `SkillFailed` if no velocity can reach the robot."""

@@ -140,6 +140,9 @@ class LiveStep(Protocol):
     def only_asks(self) -> bool:
         """Whether it ends as soon as it has asked for something."""
 
+    def until_there(self, token: CancelToken, most_s: float) -> None:
+        """Wait so long until what it asks is there. Raises `SkillFailed`, or `Cancelled`."""
+
     def run(self, run: StepRun) -> dict[str, Any]:
         """Run the step; return its results.
 
@@ -159,6 +162,9 @@ class _Base:
         self._planned, self._step, self._clock = planned, planned.step, clock
         self._filling = Filling(lambda: node.get_clock().now().to_msg())
 
+    def until_there(self, token: CancelToken, most_s: float) -> None:
+        """What only listens asks nothing."""
+
     def _request(self, run: StepRun) -> Any:
         return self._filling.fill(self._planned.request(), self._step.request, run.values)
 
@@ -174,9 +180,12 @@ class Publishes(_Base):
         )
         self.only_asks = not self._how.rate_hz
 
+    def until_there(self, token: CancelToken, most_s: float) -> None:
+        self._sender.until_heard(token, most_s)
+
     def run(self, run: StepRun) -> dict[str, Any]:
         message = self._request(run)
-        self._sender.until_heard(run.token, self._step.timeout_s)
+        self.until_there(run.token, self._step.timeout_s)
         try:
             self._repeat(message, run)
         finally:
@@ -207,6 +216,9 @@ class Calls(_Base):
         super().__init__(planned, node, clock)
         self._service = ServiceCaller(node, planned.type, planned.interface_name, clock)
 
+    def until_there(self, token: CancelToken, most_s: float) -> None:
+        self._service.until_ready(token, most_s)
+
     def run(self, run: StepRun) -> dict[str, Any]:
         answer = self._service.call(self._request(run), run.token, self._step.timeout_s, run.stop)
         return values_of(self._planned, answer, run.values)
@@ -220,6 +232,9 @@ class Acts(_Base):
         how: ActionInterface = getattr(self._step, planned.way)
         self._progress, self._tells = how.part_done, how.tells
         self._action = ActionRunner(node, planned.type, planned.interface_name, clock)
+
+    def until_there(self, token: CancelToken, most_s: float) -> None:
+        self._action.until_ready(token, most_s)
 
     def run(self, run: StepRun) -> dict[str, Any]:
         part_done = progress_of(self._progress) if self._progress else None

@@ -26,6 +26,7 @@ from edgevox.ros2.external.settings import (
 )
 from edgevox.ros2.robot_file.format import (
     Argument,
+    Need,
     RobotFile,
     Sentences,
     SkillEntry,
@@ -95,6 +96,20 @@ class DescribedRobot:
             for inner in [() if said is entry else ("languages", code)]
             for index, template in enumerate(said.sentences)
         }
+
+    @property
+    def notes(self) -> Sequence[str]:
+        """What may not be as its owner thinks: needs that old messages can meet."""
+        robot = self.robot
+        places: list[tuple[Place, Sequence[Need]]] = [(("needs",), robot.needs)]
+        places += [(("skills", name, "needs"), one.needs) for name, one in robot.skills.items()]
+        return [
+            f"{self.file.field((*at, index))}: {need.state} is latched, so that a message of any"
+            " age counts, also of a robot that has fallen silent"
+            for at, needs in places
+            for index, need in enumerate(needs)
+            if need.state in robot.state and robot.state[need.state].latched
+        ]
 
     @property
     def remappings(self) -> Sequence[str]:

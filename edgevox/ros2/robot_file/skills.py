@@ -13,6 +13,7 @@ from rclpy.node import Node
 from edgevox.agent.phrases.load import ENGLISH, phrasebook
 from edgevox.agent.skills import GoalHandle, Result, Skill, SkillFailed, SkillPhrases
 from edgevox.agent.text.reasons import because as agent_because
+from edgevox.core.cancel import CancelToken
 from edgevox.core.clock import Clock
 from edgevox.core.errors import InvalidValue
 from edgevox.core.files.validation import Place, Problems
@@ -81,6 +82,7 @@ class DescribedSkill:
             name=self.name,
             description=entry.description,
             function=self.run,
+            ready=self.ready,
             arguments_model=arguments_model(self.name, entry.arguments),
             templates=english.templates,
             says=entry.says,
@@ -93,11 +95,24 @@ class DescribedSkill:
             phrases=by_code,
         )
 
+    def ready(self, token: CancelToken, most_s: float, /, **arguments: Any) -> None:
+        """Look whether it has what it needs, and whether its first step finds its interface."""
+        live = self._switched_on()
+        self.states.check(self.entry.needs, token, most_s)
+        try:
+            live.steps[0].until_there(token, most_s)
+        except SkillFailed as error:
+            found = failure_of(self.entry, error.reason, arguments, self.constants)
+            raise SkillFailed(found) from error
+
+    def _switched_on(self) -> LiveSkill:
+        if self._live is None:
+            raise SkillFailed(agent_because("switched_off"))
+        return self._live
+
     def run(self, goal: GoalHandle, **arguments: Any) -> Result:
         """Do all steps, one after another. Raises `SkillFailed`, or `Cancelled`."""
-        live = self._live
-        if live is None:
-            raise SkillFailed(agent_because("switched_off"))
+        live = self._switched_on()
         self.states.check(self.entry.needs, goal.token)
         try:
             results = run_skill(live, goal, meanings(self.entry.arguments, arguments))

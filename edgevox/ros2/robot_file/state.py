@@ -1,12 +1,13 @@
 """The state of a robot by its file: values that it tells on topics, and what needs them.
 
 A state is one value of a topic's newest message. `needs` of a skill, and of driving, are conditions
-of such values: where one is not so, or is not known, nothing begins, and the robot says why.
+of such values: where one is not so, or is not known, nothing begins, and the robot says why. Those
+of driving must hold until the drive ends.
 """
 
 from collections.abc import Mapping, Sequence
 from functools import partial
-from math import isfinite
+from math import inf, isfinite
 from typing import Any
 
 from hassil.parse_expression import parse_sentence
@@ -90,8 +91,8 @@ class RobotStates:
         message = self._heard[BATTERY].newest() if BATTERY in self._heard else None
         value = None if message is None else self._value(BATTERY, message)
         if not isinstance(value, int | float) or not isfinite(value):
-            if self._planned.get(BATTERY) is _USUAL_BATTERY:  # it may have none
-                raise SkillFailed(because("no_battery"))
+            if self._planned.get(BATTERY) is _USUAL_BATTERY and not self._ever_heard(BATTERY):
+                raise SkillFailed(because("no_battery"))  # it may have none
             raise SkillFailed(interface_reason("unheard", what=BATTERY))
         charge = value / 100 if value > _MOST_CHARGE else value
         return min(1.0, max(0.0, float(charge)))
@@ -103,37 +104,49 @@ class RobotStates:
         self._planned = {BATTERY: _USUAL_BATTERY, **self._planned}
         return self
 
-    def check_driving(self, token: CancelToken) -> None:
+    def check_driving(self, token: CancelToken, most_s: float = THERE_S) -> None:
         """Raise as `check` does for what driving needs."""
-        self.check(self._driving, token)
+        self.check(self._driving, token, most_s)
 
-    def check(self, needs: Sequence[Need], token: CancelToken) -> None:
+    def check_driven(self) -> None:
+        """Raise `SkillFailed` if what driving needs is known to be lost. Never blocks."""
+        for need in self._driving:
+            message = self._ever_heard(need.state)
+            value = None if message is None else self._value(need.state, message)
+            if value is not None:
+                self._check(need, value)
+
+    def check(self, needs: Sequence[Need], token: CancelToken, most_s: float = THERE_S) -> None:
         """Raise `SkillFailed` for the first of these that is not met, or not known within seconds.
 
         Raises `Cancelled`, too.
         """
         for need in needs:
-            value = self._awaited(need.state, token)
-            wanted = constant(self._planned[need.state].owner, need.equals)
-            if not compares(value, need, wanted):
-                told = {code: text for code, text in need.languages.items() if text}
-                told["en"] = need.failed
-                raise SkillFailed(
-                    Reason(need.failed, code="not_now", sentences=told, is_sentence=True)
-                )
+            self._check(need, self._awaited(need.state, token, most_s))
 
-    def _awaited(self, name: str, token: CancelToken) -> Any:
+    def _check(self, need: Need, value: Any) -> None:
+        wanted = constant(self._planned[need.state].owner, need.equals)
+        if not compares(value, need, wanted):
+            told = {code: text for code, text in need.languages.items() if text}
+            told["en"] = need.failed
+            raise SkillFailed(Reason(need.failed, code="not_now", sentences=told, is_sentence=True))
+
+    def _awaited(self, name: str, token: CancelToken, most_s: float) -> Any:
         """A value, as soon as one is heard: the robot may have been found just now."""
         unheard = SkillFailed(interface_reason("unheard", what=name))
         if name not in self._heard:
             raise unheard
         try:
-            value = self._value(name, self._heard[name].latest(token, THERE_S))
+            value = self._value(name, self._heard[name].latest(token, most_s))
         except SkillFailed:
             raise unheard from None
         if value is None:
             raise unheard
         return value
+
+    def _ever_heard(self, name: str) -> Any:
+        """The newest message, however old; None if there is none."""
+        return self._heard[name].newest(inf) if name in self._heard else None
 
     def _value(self, name: str, message: Any) -> Any:
         return value_of(message, self._planned[name].entry.value)
@@ -232,8 +245,9 @@ def _question(name: str, entry: StateEntry) -> SkillEntry:
     called = name.replace("_", " ")
     unit = f" {entry.unit}" if entry.unit else ""
     read = Step(read=entry.read, result={name: entry.value})
+    told = f"Tell a state of the robot: {called}." if entry.words else f"Say what the {called} is."
     usual = {
-        "description": f"Say what the {called} is.",
+        "description": told,
         "sentences": [f"what (is|are) [(the|your)] {called}", f"what's [(the|your)] {called}"],
         "done": f"The {called} is {{{name}}}{unit}.",
     }

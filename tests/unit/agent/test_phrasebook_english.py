@@ -70,3 +70,10 @@ def test_how_nav2_ended_is_said_in_the_words_of_the_language(language, how):
 
     assert book.reasons[how] in said
     assert language == ENGLISH or phrasebook(ENGLISH).reasons[how] not in said
+
+
+def test_the_abilities_that_are_not_said_are_written_and_none_twice():
+    skills = list(BODIES["apartment"].values())
+    said, written = abilities(phrasebook("en"), skills)
+    assert said.endswith(f"and {len(written.split('; '))} more things.")
+    assert not [one for one in written.removesuffix(".").split("; ") if one.lower() in said]

@@ -1,5 +1,5 @@
 import pytest
-from support.bodies import SKILLS
+from support.bodies import BODIES, SKILLS
 
 from edgevox.agent.phrases.load import ENGLISH, phrasebook
 from edgevox.core.languages import LANGUAGES
@@ -58,3 +58,10 @@ def test_whether_to_do_something_is_asked_whole_and_not_in_english(code):
             assert "None" not in text, name
             assert "hall I" not in text, name
         assert len(both) > len(asked), name
+
+
+@pytest.mark.parametrize(("number", "said"), [(5.0, "5"), (4.97, "5"), (2.53, "2.5"), (-0.01, "0")])
+def test_a_number_is_said_without_a_fraction_of_zero(number, said):
+    walk = BODIES["humanoid"]["walk_forward"]
+    done = phrasebook("en").report(walk, {"distance": number}, {"walked": number})
+    assert done == f"I have walked {said} metres forward."

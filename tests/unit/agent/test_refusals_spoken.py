@@ -1,5 +1,6 @@
 import re
 from contextlib import closing
+from dataclasses import replace
 from typing import Annotated
 
 import pytest
@@ -17,10 +18,11 @@ from edgevox.agent.skills import OneOf, SkillFailed, SkillPhrases, SkillSet, rea
 from edgevox.agent.skills.failures import WrongArgument
 from edgevox.apps.terminal.view import View
 from edgevox.core.agent_events import GoalCancelled, as_json
-from edgevox.core.commands import Reset
+from edgevox.core.commands import Reset, TextInput
 from edgevox.core.languages import LANGUAGES
 
 PLACES = ("kitchen", "bedroom", "office", "garage", "hallway", "entrance", "cellar", "attic")
+STOPPED = phrasebook("en").say("stopped")
 WRONG = (1e6, -1e6, 0.5, True, "nonsense", None, [1.0])
 
 
@@ -153,3 +155,82 @@ def test_every_argument_of_our_skills_has_a_name_in_every_language(code):
             said = book.argument(argument)
             assert len(argument) == 1 or said != book.argument("nobody knows it"), (name, argument)
             assert "_" not in said
+
+
+class Unready:
+    """A robot whose dance may not be able to begin; `waits` lets it look for as long as it may."""
+
+    def __init__(self):
+        self.body = FakeBody()
+        self.why = SkillFailed("the floor is wet")
+        self.waits = False
+        self.looked = []
+        names = ("navigate_to", "dance", "open_door", "get_pose", "stop")
+        some = self.body.skills(*names)
+        dance = replace(some["dance"], ready=self.ready)
+        self.skills = SkillSet([dance if name == "dance" else some[name] for name in names])
+
+    def ready(self, token, most_s):
+        self.looked.append(most_s)
+        if self.waits:
+            token.wait()
+            token.check()
+        if self.why:
+            raise self.why
+
+
+@pytest.fixture
+def unready():
+    robot = Unready()
+    with Talk(robot.body, skills=robot.skills) as talk:
+        yield robot, talk
+
+
+def test_an_order_that_cannot_begin_leaves_alone_what_the_robot_does_and_promises_nothing(unready):
+    robot, talk = unready
+    talk.begin("go to the kitchen")
+    assert "the floor is wet" in talk.ask("do your dance")
+    goals = {one["skill"]: one["status"] for one in talk.told("skill_goal")}
+    assert goals == {"navigate_to": "running", "dance": "rejected"}
+    robot.body.arrive()
+    talk.until_said("I am in the kitchen.")
+    assert robot.body.sent == ["kitchen"]
+    assert "Dancing." not in talk.said
+
+
+def test_a_program_and_an_action_that_cannot_begin_leave_it_alone_too(unready):
+    robot, talk = unready
+    talk.begin("go to the kitchen")
+    for begin in (talk.conversation.check_goal, talk.conversation.start_goal):
+        with pytest.raises(SkillFailed, match="wet"):
+            begin("dance", {})
+    assert "the floor is wet" in talk.ask("do your dance three times")
+    assert robot.looked == [0.0] * len(robot.looked), "neither may block"
+    assert talk.conversation.moving
+    assert "cancelled" not in [one["status"] for one in talk.told("skill_goal")]
+
+
+def test_only_the_first_of_some_orders_has_to_be_able_to_begin(unready):
+    robot, talk = unready
+    robot.body.quick = True
+    talk.say("go to the kitchen and then do your dance")
+    assert robot.body.visited[:1] == ["kitchen"]
+
+
+def test_a_stop_ends_the_look_whether_it_can_begin(unready):
+    robot, talk = unready
+    robot.waits = True
+    talk.conversation.submit(TextInput("do your dance"))
+    talk.until(lambda: robot.looked)
+    talk.conversation.submit(TextInput("stop"))
+    talk.settle()
+    assert not robot.body.sent
+
+
+def test_what_fails_once_it_has_ended_another_motion_says_that_this_has_ended(unready):
+    _, talk = unready
+    talk.begin("go to the kitchen")
+    talk.say("open the door")
+    assert talk.said[-1] == f"I could not do that: the door is locked. {STOPPED}"
+    talk.say("open the door")
+    assert talk.said[-1] == "I could not do that: the door is locked."

@@ -115,6 +115,32 @@ def test_a_number_with_a_unit_that_is_heard_otherwise_is_told(tmp_path, capsys):
     assert "'lift 1 centimetres'" in line
 
 
+def test_a_sentence_without_a_required_argument_is_told_with_the_argument(tmp_path, capsys):
+    text = (
+        "skills: {hover: {description: Hover., publish: {name: mode, type: std_msgs/msg/String},"
+        " request: {data: '{mode}'}, arguments: {mode: {type: choice, values: {loiter: L},MORE}},"
+        " sentences: ['change to {mode}', 'hover [now]']}}"
+    )
+    assert checked(tmp_path, capsys, text.replace("MORE", " default: loiter"))[0]
+    well, (line,) = checked(tmp_path, capsys, text.replace("MORE", ""))
+    assert not well
+    assert "skills.hover.sentences.1: got 'hover" in line
+    assert "{mode}" in line
+
+
+def test_a_need_that_an_old_message_can_meet_is_noted(tmp_path, capsys):
+    state = "state: {up: {topic: up, type: std_msgs/msg/Bool, field: data, LATCHED}}\n"
+    needs = "needs: [{state: up, equals: true, failed: Get up.}]\n"
+    text = state + needs + skills(("honk", needs.strip()))
+    assert checked(tmp_path, capsys, text.replace(", LATCHED", "")) == (True, [])
+    well, told = checked(tmp_path, capsys, text.replace("LATCHED", "latched: true"))
+    assert well
+    assert [line.partition(" is latched")[0] for line in told] == [
+        "note: robot.yaml:2: needs.0: up",
+        "note: robot.yaml:4: skills.honk.needs.0: up",
+    ]
+
+
 def test_a_sentence_in_another_language_is_checked_in_that_language(tmp_path, capsys):
     german = "sentences: [honk], languages: {de: {sentences: [hup mal, halt die Klappe auf]}}"
     well, (line,) = checked(tmp_path, capsys, skills(("honk", german)))
@@ -136,7 +162,9 @@ def test_an_exact_sentence_wins_over_a_drive_and_the_check_tells(tmp_path, capsy
 def test_what_the_page_shows_is_well(tmp_path, capsys, part):
     parts = PAGE.read_text("utf-8").split("\n### ")
     (shown,) = (one for one in parts if one.partition("\n")[0].lower().replace(" ", "-") == part)
-    assert checked(tmp_path, capsys, shown.split("```yaml\n")[1].split("```")[0]) == (True, [])
+    well, told = checked(tmp_path, capsys, shown.split("```yaml\n")[1].split("```")[0])
+    assert well
+    assert all(line.startswith("note: ") and " is latched" in line for line in told)
 
 
 STATES = """state:

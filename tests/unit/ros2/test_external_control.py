@@ -52,7 +52,7 @@ class Robot:
         self.told: list[Twist2D] = []
         self.clock = HeldClock()
         self.heard: PoseEstimate | None = HERE
-        senses = SimpleNamespace(
+        self.senses = SimpleNamespace(
             estimate=lambda: self.heard,
             odometry_history=SimpleNamespace(still=lambda: True, stands=lambda _: False),
             odom_topic="/odom",
@@ -60,7 +60,7 @@ class Robot:
         wheels = SimpleNamespace(turn=self.told.append)
         goals = SimpleNamespace(recall=lambda _: None)
         self.control = ControlLoop(
-            threading.RLock(), senses, wheels, goals, clock=self.clock, obey_s=3.0
+            threading.RLock(), self.senses, wheels, goals, clock=self.clock, obey_s=3.0
         )
 
     def drive(self, backend: FakeBackend) -> ExternalNavigation:
@@ -149,3 +149,24 @@ def test_a_hold_goes_on_in_a_late_tick_too(robot) -> None:
     _tick_after(robot, 2.0)
 
     assert robot.told[told:] == [STILL]
+
+
+def test_a_robot_speeds_up_by_its_acceleration_and_slows_down_at_once(robot) -> None:
+    robot.control = ControlLoop(
+        threading.RLock(),
+        robot.senses,
+        SimpleNamespace(turn=robot.told.append),
+        SimpleNamespace(recall=lambda _: None),
+        clock=robot.clock,
+        obey_s=3.0,
+        speed_up_m_s2=0.5,
+    )
+    for wanted in (Twist2D(0.06, 0.07), Twist2D(0.06, 0.07), Twist2D(0.01, 0.0), Twist2D(-0.3, -1)):
+        robot.clock.advance(0.05)
+        robot.control.steer(wanted)
+    robot.control.mux.halt(Cancelled("stop"))
+    robot.clock.advance(60.0)
+    robot.control.steer(Twist2D(1.0, 0.0))
+    linear = [round(one.linear_m_s, 3) for one in robot.told]
+    assert linear == [0.025, 0.05, 0.01, -0.025, 0.0, 0.05]
+    assert [round(one.angular_rad_s, 3) for one in robot.told] == [0.05, 0.07, 0.0, -0.05, 0.0, 0.0]

@@ -34,6 +34,7 @@ def see(
     *,
     yaw_rad: float = 0.0,
     stamp_s: float = 0.0,
+    height_m: float = 0.0,
 ) -> bool:
     return odometry_history.add(
         OdometrySample(
@@ -43,6 +44,7 @@ def see(
             child_frame="base_link",
             stamp_ns=round(stamp_s * 1e9),
             heard_s=clock.now_s,
+            height_m=height_m,
         )
     )
 
@@ -56,6 +58,27 @@ def test_odometry_of_more_than_a_second_ago_is_no_position(clock) -> None:
     clock.now_s = 1.1
     assert odometry_history.fresh() is None
     assert odometry_history.newest() is not None
+
+
+@pytest.mark.parametrize(
+    ("how", "moves"),
+    [
+        ({}, False),
+        ({"speed_m_s": 0.3}, True),
+        ({"x_m": 0.1}, True),
+        ({"yaw_rad": 0.1}, True),
+        ({"height_m": 0.1}, True),
+    ],
+)
+def test_a_robot_moves_by_its_velocity_or_by_its_poses(clock, how, moves) -> None:
+    odometry_history = OdometryHistory(clock)
+    assert not odometry_history.moves()
+    see(odometry_history, clock)
+    clock.now_s += 0.1
+    see(odometry_history, clock, **how)
+    assert odometry_history.moves() is moves
+    clock.now_s += 2.0
+    assert not odometry_history.moves(), "a silent robot shows no motion"
 
 
 @pytest.mark.parametrize("wrong", [math.nan, math.inf, 1e300, -1e300, 1e12, -10_001.0])

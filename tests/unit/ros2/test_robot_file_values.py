@@ -153,6 +153,6 @@ def test_a_failure_has_the_usual_reason_in_it_and_words_in_each_language():
         languages={"de": german},
     )
     reason = failure_of(one, interface_reason("refused", what="dock"), {"docked": False})
-    assert phrasebook("en").failure(reason) == "Not docked: dock refused that, far."
-    told = "Nicht angedockt: die Ladestation hat das abgelehnt, fern."
+    assert phrasebook("en").failure(reason) == "Not docked: the robot refused that, far."
+    told = "Nicht angedockt: der Roboter hat das abgelehnt, fern."
     assert phrasebook("de").failure(reason) == told
