@@ -107,7 +107,7 @@ class SpokenNumber(float):
     """A number as people say it, 2 and not 2.0, however many decimals its sentence has."""
 
     def __format__(self, spec: str) -> str:
-        said = super().__format__(spec)
+        said = super().__format__(spec) if spec else repr(self)  # without a spec it calls `__str__`
         if "." in said and said.lstrip("-").replace(".", "").isdigit():
             said = said.rstrip("0").rstrip(".")
         return "0" if said == "-0" else said

@@ -2,6 +2,7 @@ import pytest
 from support.bodies import BODIES, SKILLS
 
 from edgevox.agent.phrases.load import ENGLISH, phrasebook
+from edgevox.agent.text.words import SpokenNumber
 from edgevox.core.languages import LANGUAGES
 
 OTHERS = [code for code in LANGUAGES if code != ENGLISH]
@@ -65,3 +66,18 @@ def test_a_number_is_said_without_a_fraction_of_zero(number, said):
     walk = BODIES["humanoid"]["walk_forward"]
     done = phrasebook("en").report(walk, {"distance": number}, {"walked": number})
     assert done == f"I have walked {said} metres forward."
+
+
+@pytest.mark.parametrize(
+    ("number", "spec", "said"),
+    [
+        (41.26, "", "41.26"),
+        (2.0, "", "2"),
+        (2.04, ".1f", "2"),
+        (0.25, ".3g", "0.25"),
+        (-0.0, "", "0"),
+    ],
+)
+def test_a_number_is_said_as_people_say_it(number: float, spec: str, said: str) -> None:
+    assert format(SpokenNumber(number), spec) == said
+    assert str(SpokenNumber(number)) == format(SpokenNumber(number), "")
