@@ -135,11 +135,11 @@ def own_answers(seconds: float, seed: int) -> Sound:
 def heard_itself(
     way: Way, path: EchoPath, stt: SpeechToText, said: Sound, spotter: StopDetector | None = None
 ) -> Counter[str]:
-    """How often it interrupted itself, stopped itself and understood words of its own."""
+    """How often it fell silent for itself, stopped itself and understood words of its own."""
     room = Room(said, path, np.zeros(0), 0.0, yields=False)
     happened = listen_in(room, way, stt, spotter)
     return Counter(
-        interrupted=len(happened.interrupted_s),
+        interrupted=len(happened.held_s),
         answered=sum(bool(one.text.strip()) for one in happened.heard),
         stopped=len(happened.stopped_s),
     )
@@ -179,7 +179,7 @@ def _interrupted(
             own_voice(spoke_s + 3.0, number), path, _person(spoken, path), at_s, yields=True
         )
         happened = listen_in(room, way, stt)
-        after_s = [one - at_s for one in happened.interrupted_s if one >= at_s]
+        after_s = [one - at_s for one in happened.held_s if one >= at_s]
         heard = " ".join(one.text for one in happened.heard)
         noticed += bool(after_s)
         took_s += after_s[:1]

@@ -31,6 +31,7 @@ class Happened:
     """What the listener made of it."""
 
     held_s: list[float] = field(default_factory=list)
+    """When it fell silent to listen; it goes on if that was nothing, such as "mm-hm"."""
     interrupted_s: list[float] = field(default_factory=list)
     heard: list[Heard] = field(default_factory=list)
     stopped_s: list[float] = field(default_factory=list)
@@ -88,10 +89,10 @@ class Room:
                 self.happened.stopped_s.append(self.now_s)
             case SpokenOver():
                 self.happened.held_s.append(self.now_s)
+                self._yield()
             case Interrupt():
                 self.happened.interrupted_s.append(self.now_s)
-                if self._yields and self._cut_at == self._speech.size:
-                    self._fall_silent()
+                self._yield()
 
     def start(self) -> None: ...
 
@@ -114,6 +115,10 @@ class Room:
             if block.any():
                 self.played.add(block, RATE_HZ, at / RATE_HZ)
             self._played_blocks += 1
+
+    def _yield(self) -> None:
+        if self._yields and self._cut_at == self._speech.size:
+            self._fall_silent()
 
     def _fall_silent(self) -> None:
         """Nothing is played from here on; the echo goes on as long as the way and the room are."""
