@@ -456,7 +456,7 @@ class Conversation:
         held, self._held = self._held, None
         asks = held is not None and held.outcome is Outcome.ASKED
         listens = not (asks or heard.spotted or self.is_stop(heard.text))
-        goes_on = listens and self._asking.encourages(heard.text)
+        goes_on = listens and self._asking.encourages(heard.text, heard.confidence)
         if not goes_on and held is self._turn:
             self._stopping.interrupt("spoken over", Cause.BARGE_IN, motion=False)
         elif heard.text and goes_on:

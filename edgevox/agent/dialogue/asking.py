@@ -15,7 +15,7 @@ from edgevox.agent.dialogue.question import OpenQuestion, Question
 from edgevox.agent.dialogue.skills import DOING, OTHER, DialogueSkills
 from edgevox.agent.nlu.disfluencies import is_back_channel
 from edgevox.agent.nlu.interpreter import Interpreter
-from edgevox.agent.nlu.meaning import ASK_FROM, SURE_FROM, Meaning
+from edgevox.agent.nlu.meaning import ASK_FROM, HEARD_FROM, SURE_FROM, Meaning
 from edgevox.agent.nlu.templates import RefusedCommand
 from edgevox.agent.policy import NeedsConfirmation, Rule
 from edgevox.agent.skills import STOP, Call
@@ -36,6 +36,8 @@ above those of all doubtful ones."""
 YES_FROM = 0.6
 """Recognition confidence below which the robot asks again after a spoken yes, so that no guessed
 yes moves it. Of 58 yeses by the tuning voices, in quiet and in noise, 55 were surer."""
+
+_FEW_WORDS = 3
 
 
 class Asking:
@@ -94,9 +96,24 @@ class Asking:
         plain = self._interpreter.plain(text)
         return isinstance(plain, Meaning) and plain.sure
 
-    def encourages(self, text: str) -> bool:
-        """True if words over the robot's speech want it to go on: "mm-hm", laughter. Any thread."""
-        return not self.question.asked and self._encourages(text)
+    def encourages(self, text: str, hearing: float) -> bool:
+        """True if words over the robot's speech want it to go on: "mm-hm", laughter. Any thread.
+
+        A few words that mean nothing to it and were hardly heard are taken for such: Whisper writes
+        "shore" for "sure". `hearing` is how surely they were heard, from 0 to 1.
+        """
+        if self.question.asked:
+            return False
+        return self._encourages(text) or (hearing < HEARD_FROM and self._means_nothing(text))
+
+    def _means_nothing(self, text: str) -> bool:
+        """True for a few words that are no answer, no correction and no plain command."""
+        return (
+            len(text.split()) <= _FEW_WORDS
+            and self._answers.read(text) is None
+            and not self._answers.may_correct(text)
+            and self._interpreter.plain(text) is None
+        )
 
     def _encourages(self, text: str) -> bool:
         said_yes = self._answers.read(text) is Answer.YES

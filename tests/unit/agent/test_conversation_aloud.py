@@ -214,6 +214,25 @@ def test_other_words_end_its_answer(words):
         assert [one.text for one in rig.of(Transcribed)][1] == words
 
 
+@pytest.mark.parametrize(
+    ("words", "confidence", "goes_on"),
+    [("Shore.", 0.7, True), ("Shore.", 0.9, False), ("No list.", 0.7, False),
+     ("Where are you?", 0.6, False), ("That is not what I meant.", 0.7, False)],
+)  # fmt: skip
+def test_a_few_words_that_mean_nothing_and_were_hardly_heard_do_not_end_its_answer(
+    words: str, confidence: float, goes_on: bool
+) -> None:
+    with Rig() as rig:
+        rig.conversation.submit(TextInput("tell me a story"))
+        rig.speaks()
+        rig.conversation.submit(SpokenOver())
+        rig.conversation.submit(Heard(words, ended_s=101.0, confidence=confidence, over=True))
+
+        assert rig.speech_output.utterances[0].token.cancelled is not goes_on
+        rig.speech_output.played.set()
+        rig.settle()
+
+
 def test_a_stop_word_over_its_answer_stops_the_robot():
     with Rig() as rig:
         rig.conversation.submit(TextInput("drive on"))
