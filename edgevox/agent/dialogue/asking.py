@@ -37,6 +37,10 @@ YES_FROM = 0.6
 """Recognition confidence below which the robot asks again after a spoken yes, so that no guessed
 yes moves it. Of 58 yeses by the tuning voices, in quiet and in noise, 55 were surer."""
 
+FOLLOWS_FROM, ANSWERS_FROM, DENIES_FROM = 0.6, 0.4, 0.3
+"""Recognition confidence from which words without the wake word count: orders and corrections, a
+yes to its question, about which it asks again below `YES_FROM`, and a no, which moves nothing."""
+
 _FEW_WORDS = 3
 
 
@@ -78,17 +82,22 @@ class Asking:
         """Forget the last drive, so that nothing is left to correct."""
         self._last.forget()
 
-    def follows(self, text: str) -> bool:
+    def follows(self, text: str, hearing: float) -> bool:
         """True if these words answer the robot, correct it or are a plain command. Any thread.
 
-        While it counts down, any words do.
+        While it counts down, any words do. `hearing` is how surely they were heard, from 0 to 1: a
+        lone "yes" or "no" is short, and is heard less surely than an order.
         """
         if self.question.counts_down:
             return True
         answer = self._answers.read(text)
-        if answer is Answer.YES and self.question.asked:
+        if answer is not None and self.question.asked:
+            return hearing >= (ANSWERS_FROM if answer is Answer.YES else DENIES_FROM)
+        if hearing < FOLLOWS_FROM:
+            return False
+        if answer is Answer.NO and self._performer.moving:
             return True
-        if answer is Answer.NO and (self.question.asked or self._performer.moving):
+        if self._chosen(text) or self._corrections.bare(text):
             return True
         matters = self.question.asked or self._performer.moving
         if self._corrections.of(text) or (matters and self._corrections.denies(text)):
@@ -138,7 +147,7 @@ class Asking:
         denied = self._denied(text, answer)
         if denied is None and answer and self._counts(answer, text):
             return self._answered(answer, turn, said_s)
-        right = self._corrections.of(text)
+        right = self._corrections.of(text) or self._corrections.bare(text)
         instead = None if right else self._corrections.instead(text)
         if instead and (right := self._wanted(instead)) is None:
             if instead.keeps:

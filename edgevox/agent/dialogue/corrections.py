@@ -67,6 +67,15 @@ class Corrections:
         first = self._first()
         return self._changed(text, first, taken_back=False) if first else None
 
+    def bare(self, text: str) -> Meaning | None:
+        """What "the office" alone means, while a drive to the kitchen is asked about: unsure."""
+        asked = self._question.asked
+        first = _one_drive(asked.meaning) if asked and not asked.others else None
+        if first is None or self._interpreter.plain(text) is not None:
+            return None
+        changed = self._changed(text, first)
+        return replace(changed, confidence=ASK_FROM) if changed else None
+
     def denies(self, text: str) -> bool:
         """True for "not the kitchen", while that is asked about or on the way there."""
         first = self._first()

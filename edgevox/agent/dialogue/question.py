@@ -212,23 +212,19 @@ class OpenQuestion:
         )
 
 
-FOLLOWS_FROM = 0.6
-"""Confidence of a transcript below which unaddressed words do not count."""
-
-
 class FollowUps:
     """Implements `core.speech.FollowUp` for a conversation. Any thread may use it.
 
-    `follows` tells whether words answer, correct or command. `within_s` is how long after a spoken
-    answer they may begin; 0 turns all follow-ups off, except while the robot counts down: then any
-    words count. A question takes answers for as long as it is
-    open. Only words that were spoken to the robot are answered so: after typed ones nobody is near.
+    `follows` tells whether words, heard so surely, answer, correct or command. `within_s` is
+    how long after a spoken answer they may begin; 0 turns all follow-ups off, except while the
+    robot counts down: then any words count. A question takes answers for as long as it is open.
+    Only words that were spoken to the robot are answered so: after typed ones nobody is near.
     """
 
     def __init__(
         self,
         question: OpenQuestion,
-        follows: Callable[[str], bool],
+        follows: Callable[[str, float], bool],
         clock: Clock,
         *,
         within_s: float,
@@ -267,4 +263,4 @@ class FollowUps:
 
     def takes(self, text: str, confidence: float, began_s: float, ended_s: float) -> bool:
         """See `FollowUp.takes`."""
-        return confidence >= FOLLOWS_FROM and self.awaits(began_s, ended_s) and self._follows(text)
+        return self.awaits(began_s, ended_s) and self._follows(text, confidence)

@@ -16,7 +16,9 @@ def takes(talk: Talk, text: str, *, after_s: float = 1.0, confidence: float = 1.
     return talk.conversation.follow_ups.takes(text, confidence, began_s, began_s + 0.5)
 
 
-@pytest.mark.parametrize("text", ["yes", "yes, please", "no", "no, the office", "go to the office"])
+@pytest.mark.parametrize(
+    "text", ["yes", "yes, please", "no", "no, the office", "the office", "go to the office"]
+)
 def test_a_question_is_answered_without_the_wake_word(text):
     with Talk(confirm="always") as talk:
         talk.hear("go to the kitchen")
@@ -58,10 +60,20 @@ def test_a_no_while_it_drives_is_for_it():
         assert takes(talk, "no, the office")
 
 
-def test_words_that_were_heard_badly_are_for_nobody():
+@pytest.mark.parametrize(
+    ("text", "least"), [("go to the office", 0.6), ("the office", 0.6), ("yes", 0.4), ("no", 0.3)]
+)
+def test_words_that_were_heard_badly_are_for_nobody(text: str, least: float) -> None:
     with Talk(confirm="always") as talk:
         talk.hear("go to the kitchen")
-        assert not takes(talk, "yes", confidence=0.5)
+        assert takes(talk, text, confidence=least)
+        assert not takes(talk, text, confidence=least - 0.05)
+
+
+def test_a_choice_is_answered_without_the_wake_word() -> None:
+    with Talk() as talk:
+        talk.hear("go to the kitchen or the office")
+        assert takes(talk, "the office")
 
 
 def test_typed_words_make_it_listen_to_nobody():
