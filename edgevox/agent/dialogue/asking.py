@@ -41,7 +41,8 @@ FOLLOWS_FROM, ANSWERS_FROM, DENIES_FROM = 0.6, 0.4, 0.3
 """Recognition confidence from which words without the wake word count: orders and corrections, a
 yes to its question, about which it asks again below `YES_FROM`, and a no, which moves nothing."""
 
-_FEW_WORDS = 3
+_FEW_WORDS, _LETTERS = 3, 2
+"""So many words may be a mumble; in a script without spaces, of so many characters each."""
 
 
 class Asking:
@@ -117,8 +118,9 @@ class Asking:
 
     def _means_nothing(self, text: str) -> bool:
         """True for a few words that are no answer, no correction and no plain command."""
+        spaced = self._interpreter.phrases.hearing.spaced
         return (
-            len(text.split()) <= _FEW_WORDS
+            (len(text.split()) if spaced else len(text) / _LETTERS) <= _FEW_WORDS
             and self._answers.read(text) is None
             and not self._answers.may_correct(text)
             and self._interpreter.plain(text) is None
