@@ -82,6 +82,14 @@ BENCHMARKS: Mapping[str, Benchmark] = {
         "benchmarks.hearing.duplex",
         "who is heard through the robot's own voice, and whether it hears itself",
     ),
+    "spoken_over": Benchmark(
+        "benchmarks.hearing.spoken_over",
+        "what lets the robot go on that is spoken over, and what ends its answer",
+    ),
+    "follow_ups": Benchmark(
+        "benchmarks.hearing.follow_ups",
+        "answers and other talk without the wake word, after the robot asked or told something",
+    ),
     "several": Benchmark(
         "benchmarks.hearing.several", "which of five robots answers a person whom all of them hear"
     ),
