@@ -76,7 +76,7 @@ def test_it_says_what_it_can_and_nothing_else_and_drives_nowhere(talk, lift):
     talk.say(
         "what can you do",
         "I can: go to a floor and open the door there; wait until the door is open; say on which "
-        "floor the lift is; let others use the lift again; stop at once.",
+        "floor the lift is; and 2 more things. Let others use the lift again; stop at once.",
     )
     lift.assert_it_drives_nowhere(phrases.opening("not_understood_but"))
     talk.speak("de")

@@ -65,13 +65,15 @@ def talk(agent, robot, peer):
 
 @pytest.fixture
 def codes(talk, peer):
-    """Why a skill fails that is asked for in these words: the reason's code."""
+    """Why a skill fails, or is refused, that is asked for in these words: the reason's code."""
     events = peer().listen("agent_event")
 
     def asked(sentence):
         since = len(events.messages)
         talk.say(sentence)
-        return json.loads(events.wait_for(lambda one: '"failed"' in one, since=since))["code"]
+        over = ("failed", "rejected")
+        ended = events.wait_for(lambda one: json.loads(one).get("status") in over, since=since)
+        return json.loads(ended)["code"]
 
     return asked
 

@@ -148,7 +148,9 @@ def test_the_skills_drive_halt_and_answer_as_a_person_hears_it() -> None:
     say = phrasebook("en").report
     assert say(skills["navigate_to"], {}, arrived) == phrases.done("navigate_to", room="kitchen")
     assert say(skills["navigate_xy"], {}, at_point) == phrases.done("navigate_xy", x=1.0, y=2.0)
-    assert say(skills["get_pose"], {}, pose).startswith(phrases.stands(room="living_room") + "1, y 2")
+    assert say(skills["get_pose"], {}, pose).startswith(
+        phrases.stands(room="living_room") + "1, y 2"
+    )
     assert stopped == {"was_moving": True}
     assert body.halted == ["stop was asked"]
     assert [name for name, one in skills.items() if one.moves] == [
