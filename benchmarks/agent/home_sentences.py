@@ -13,7 +13,7 @@ from pathlib import Path
 
 import yaml
 
-from benchmarks.core.figures import Figure, Measured, NotHere
+from benchmarks.core.figures import Figure, Measured, NotHere, printed
 from benchmarks.hearing.heard_robot import Robot
 from edgevox.core.languages import LANGUAGES
 from edgevox.models import ModelMissing
@@ -29,15 +29,7 @@ EFFECTS = {"moves": 0.0, "asks": 0.2, "changes something for good": 0.0}
 
 def main() -> int:
     """Print the figures, and each sentence that has an effect."""
-    try:
-        found = _judged(1)
-    except NotHere as reason:
-        print(f"home_sentences: not measured: {reason}", file=sys.stderr)
-        return 2
-    print(*found.notes.get(TABLE, ()), sep="\n")
-    for one in found.figures:
-        print(f"{one.what}, {one.column}: {one.value} {one.unit} of {one.n}")
-    return 0
+    return printed("home_sentences", lambda: _judged(1))
 
 
 def measure(quick: bool = False) -> Measured:

@@ -17,7 +17,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from benchmarks.core.figures import Figure, Measured, NotHere
+from benchmarks.core.figures import Figure, Measured, NotHere, printed
 from benchmarks.hearing.heard_robot import Outcome, Robot
 from edgevox.agent.skills import Call
 from edgevox.models import ModelMissing
@@ -32,16 +32,7 @@ GOES, OTHER = "ask it to go", "ask for what it cannot, or for nothing"
 
 def main() -> int:
     """Print the figures and each sentence that did not come out as it was meant."""
-    try:
-        found = _judged(1)
-    except NotHere as reason:
-        print(f"people_words: not measured: {reason}", file=sys.stderr)
-        return 2
-    for heading, lines in found.notes.items():
-        print(f"{heading}:", *lines, "", sep="\n")
-    for one in found.figures:
-        print(f"{one.table}: {one.what}, {one.column}: {one.value} {one.unit} of {one.n}")
-    return 0
+    return printed("people_words", lambda: _judged(1))
 
 
 def measure(quick: bool = False) -> Measured:

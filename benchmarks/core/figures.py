@@ -7,7 +7,8 @@ this machine it raises `NotHere`.
 
 import math
 import statistics
-from collections.abc import Sequence
+import sys
+from collections.abc import Callable, Sequence
 from typing import Self
 
 from pydantic import BaseModel, ConfigDict, Field
@@ -106,6 +107,20 @@ class Measured(Kept):
 
     figures: tuple[Figure, ...] = Field(min_length=1)
     notes: dict[str, tuple[str, ...]] = Field(default_factory=dict)
+
+
+def printed(name: str, measure: Callable[[], Measured]) -> int:
+    """Print what a benchmark finds, its notes first: 0; or why it is not measured here: 2."""
+    try:
+        found = measure()
+    except NotHere as reason:
+        print(f"{name}: not measured: {reason}", file=sys.stderr)
+        return 2
+    for heading, lines in found.notes.items():
+        print(f"{heading}:", *lines, "", sep="\n")
+    for one in found.figures:
+        print(f"{one.table}: {one.what}, {one.column}: {one.value} {one.unit} of {one.n}")
+    return 0
 
 
 def wilson(hits: int, tries: int) -> tuple[float, float]:

@@ -173,11 +173,8 @@ def _interrupted(
 ) -> Tally:
     noticed, understood, took_s = 0, 0, []
     for number, (said, spoken) in enumerate(people):
-        path = PATHS[(number + number // len(PATHS)) % len(PATHS)]
-        at_s = spoke_s + 0.37 * (number % 5)
-        room = Room(
-            own_voice(spoke_s + 3.0, number), path, _person(spoken, path), at_s, yields=True
-        )
+        path, at_s = way_of(number), begins_s(number, spoke_s)
+        room = Room(own_voice(spoke_s + 3.0, number), path, person(spoken, path), at_s, yields=True)
         happened = listen_in(room, way, stt)
         after_s = [one - at_s for one in happened.held_s if one >= at_s]
         heard = " ".join(one.text for one in happened.heard)
@@ -264,7 +261,18 @@ def _cost_of_echo(seconds: float) -> Iterator[Figure]:
         )  # fmt: skip
 
 
-def _person(spoken: Sound, path: EchoPath) -> Sound:
+def way_of(number: int) -> EchoPath:
+    """The way that a person of this number is heard in: each says each thing in another one."""
+    return PATHS[(number + number // len(PATHS)) % len(PATHS)]
+
+
+def begins_s(number: int, spoke_s: float) -> float:
+    """When this person begins, a little later than the one before."""
+    return spoke_s + 0.37 * (number % 5)
+
+
+def person(spoken: Sound, path: EchoPath) -> Sound:
+    """Somebody who speaks over the robot, as loud as they are at the microphone."""
     return at_level(spoken, PLAYED_LEVEL * 10 ** ((path.gain_db + PERSON_DB) / 20))
 
 

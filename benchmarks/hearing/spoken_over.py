@@ -16,14 +16,13 @@ from collections.abc import Callable, Iterator, Sequence
 from types import SimpleNamespace
 from typing import Any
 
-import numpy as np
 from corpus_robots import skills_of_robots
 
 from benchmarks.core.figures import Figure, Measured, NotHere
 from benchmarks.hearing import people
-from benchmarks.hearing.duplex import PERSON_DB, PLAYED_LEVEL, own_voice
+from benchmarks.hearing.duplex import begins_s, own_voice, person, way_of
 from benchmarks.hearing.duplex_room import Happened, Room, listen_in
-from benchmarks.hearing.echo_paths import PATHS, Sound, at_level
+from benchmarks.hearing.echo_paths import Sound
 from benchmarks.hearing.endings import STT_S, endings, recogniser
 from edgevox.agent.agents import Agent
 from edgevox.agent.dialogue.asking import Asking
@@ -32,6 +31,7 @@ from edgevox.agent.dialogue.question import OpenQuestion
 from edgevox.agent.nlu.interpreter import Interpreter
 from edgevox.core.bus import Bus
 from edgevox.core.clock import SystemClock
+from edgevox.core.speech import Ending
 from edgevox.models import ModelMissing, locate
 from edgevox.voice.audio import FULL_SCALE
 from edgevox.voice.stop_spotter.network import ENCODER
@@ -81,13 +81,11 @@ def _spoken(voice: str, text: str) -> Sound:
 
 
 def _figures(kind: str, sounds: Sequence[Sound], stt: SpeechToText) -> Iterator[Figure]:
-    encourages, goes_on = _encourages(), kind == "encouraging"
+    encourages, ending, goes_on = _encourages(), endings().of, kind == "encouraging"
     right, noticed, silent_s, over_s = 0, 0, list[float](), list[float]()
     for number, sound in enumerate(sounds):
-        path = PATHS[(number + number // len(PATHS)) % len(PATHS)]
-        at_s = BEGINS_S + 0.37 * (number % 5)
-        person = at_level(sound, PLAYED_LEVEL * 10 ** ((path.gain_db + PERSON_DB) / 20))
-        room = Room(own_voice(at_s + 3.0, number), path, person, at_s, yields=True)
+        path, at_s = way_of(number), begins_s(number, BEGINS_S)
+        room = Room(own_voice(at_s + 3.0, number), path, person(sound, path), at_s, yields=True)
         happened = listen_in(room, "cancel", stt, open_stop_spotter(locate(ENCODER)))
         ends = bool(happened.interrupted_s or happened.stopped_s) or not all(
             encourages(one.text, one.confidence) for one in happened.heard
@@ -96,7 +94,7 @@ def _figures(kind: str, sounds: Sequence[Sound], stt: SpeechToText) -> Iterator[
         if happened.held_s:
             noticed += 1
             silent_s.append(happened.held_s[0] - at_s)
-            over_s += _goes_on_after(happened) if goes_on and not ends else ()
+            over_s += _goes_on_after(happened, ending) if goes_on and not ends else ()
     what, wanted = KINDS[kind]
     yield Figure.share(
         f"{kind}.right", TABLE, what, right, len(sounds), more_is_better=True, wanted=wanted
@@ -111,12 +109,11 @@ def _figures(kind: str, sounds: Sequence[Sound], stt: SpeechToText) -> Iterator[
         yield Figure.of(f"{kind}.goes_on", TABLE, "and goes on after", over_s, "s", wanted=2.0)
 
 
-def _goes_on_after(happened: Happened) -> Iterator[float]:
+def _goes_on_after(happened: Happened, ending: Callable[[str], Ending]) -> Iterator[float]:
     """Seconds from its silence until it goes on."""
     for one in happened.heard[:1]:
-        ending = endings().of(one.text)
-        silence_s = max(ENDS_AFTER_S[ending], EARLY_S + STT_S)
-        yield float(np.float64(one.ended_s)) - happened.held_s[0] + silence_s
+        silence_s = max(ENDS_AFTER_S[ending(one.text)], EARLY_S + STT_S)
+        yield one.ended_s - happened.held_s[0] + silence_s
 
 
 def _encourages() -> Callable[[str, float], bool]:

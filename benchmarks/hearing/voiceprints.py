@@ -14,7 +14,7 @@ from collections.abc import Iterator, Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from benchmarks.core.figures import Figure, Measured, NotHere
+from benchmarks.core.figures import Figure, Measured, NotHere, printed
 from benchmarks.hearing.people import in_noise, orders, recording
 from edgevox.models import ModelMissing, locate
 from edgevox.voice.voiceprint import ALIKE, ENCODER, SENTENCES, Floats, VoiceEncoder, mean_of
@@ -33,14 +33,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--quick", action="store_true", help="only in quiet")
     parser.add_argument("--tuning", action="store_true", help="the speakers to choose with")
     asked = parser.parse_args(arguments)
-    try:
-        found = measure(asked.quick, Half.TUNING if asked.tuning else Half.HELD_OUT)
-    except NotHere as reason:
-        print(f"voiceprints: not measured: {reason}", file=sys.stderr)
-        return 2
-    for one in found.figures:
-        print(f"{one.table}: {one.what}, {one.column}: {one.value} {one.unit} of {one.n}")
-    return 0
+    half = Half.TUNING if asked.tuning else Half.HELD_OUT
+    return printed("voiceprints", lambda: measure(asked.quick, half))
 
 
 def measure(quick: bool = False, half: Half = Half.HELD_OUT) -> Measured:

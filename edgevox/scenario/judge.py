@@ -86,7 +86,7 @@ class Judge:
         return tuple(sorted(self._unseen)) if self._state else ()
 
     def expect(self, condition: Condition, now_s: float, within_s: float) -> ConditionWatch:
-        """Watch for this from now on; the state as it is now counts, too."""
+        """Watch for this from now on; the state as it is now counts as well."""
         self._watch = ConditionWatch(condition, now_s + within_s)
         for seen in (*self._recent, *([self._state] if self._state else [])):
             self._watch.see(seen)

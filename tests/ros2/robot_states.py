@@ -4,7 +4,9 @@ import json
 
 
 def moving(message: str) -> bool:
-    return bool(json.loads(message)["velocity"]["linear"] > 0.05)
+    """True if it drives; while its odometry is not heard, it has no velocity."""
+    velocity = json.loads(message)["velocity"]
+    return velocity is not None and velocity["linear"] > 0.05
 
 
 def standing(message: str) -> bool:

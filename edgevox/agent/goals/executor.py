@@ -241,18 +241,18 @@ class SkillExecutor:
     ) -> Mapping[str, Any]:
         """Check the call as `check` does, and that it does not end a motion for nothing."""
         arguments = self.check(call, skills, way, mark=mark)
-        self.check_ready([Call(call.skill, arguments)], skills)
+        if self._runner.moving is not None:
+            self._look_ahead([(skills[call.skill], arguments)], CancelToken(), 0.0)
         return arguments
 
-    def check_ready(self, calls: Sequence[Call], skills: SkillSet) -> None:
-        """Raise `SkillFailed` if these checked calls would end the running motion for nothing.
+    def check_ready(self, call: Call, skills: SkillSet) -> None:
+        """Raise `SkillFailed` if this call would end the running motion for nothing.
 
         Never blocks: what is not known now refuses, unless nothing moves.
         """
         if self._runner.moving is not None:
-            some = [(skills[one.skill], one.arguments) for one in calls]
-            checked = [(one, one.validate(arguments)) for one, arguments in some]
-            self._look_ahead(checked, CancelToken(), 0.0)
+            skill = skills[call.skill]
+            self._look_ahead([(skill, skill.validate(call.arguments))], CancelToken(), 0.0)
 
     def _look_ahead(
         self, calls: Sequence[tuple[Skill, Mapping[str, Any]]], token: CancelToken, most_s: float
@@ -261,10 +261,12 @@ class SkillExecutor:
 
         The first that moves counts as well if it would end another motion.
         """
-        moving = [one for one in calls if one[0].moves]
-        looked = calls[:1] if moving else ()
-        if moving and moving[0] is not calls[0] and self._runner.moving is not None:
-            looked = [calls[0], moving[0]]
+        mover = next((one for one in calls if one[0].moves), None)
+        if mover is None:
+            return
+        looked = [calls[0]]
+        if mover is not calls[0] and self._runner.moving is not None:
+            looked.append(mover)
         for skill, arguments in looked:
             if skill.ready:
                 skill.ready(token, most_s, **arguments)

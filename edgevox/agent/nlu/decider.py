@@ -274,10 +274,14 @@ class Readings:
                 spoken = self._readers[0][0]
                 denied = lexicon is not spoken and is_denied(plain, spoken)
                 left = self._is_left(reading, lexicon, plain)
-                held_back = denied or left or _held_back(reading, facts)
-                held_back = held_back or _is_about_another_thing(reading, lexicon)
-                held_back = held_back or _asks_about_another(reading, lexicon)
-                held_back = held_back or _is_hardly_named(reading, lexicon)
+                held_back = (
+                    denied
+                    or left
+                    or _held_back(reading, facts)
+                    or _is_about_another_thing(reading, lexicon)
+                    or _asks_about_another(reading, lexicon)
+                    or _is_hardly_named(reading, lexicon)
+                )
                 return Judged(
                     reading,
                     facts,

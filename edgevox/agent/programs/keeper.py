@@ -288,7 +288,8 @@ class Programs:
 
         Raises while motion is forbidden, or if the first step would end a motion for nothing.
         """
-        self._executor.check_ready(calls_of(kept.program)[:1], self._skills)
+        for first in calls_of(kept.program)[:1]:
+            self._executor.check_ready(first, self._skills)
         run = ProgramRun(
             kept.program,
             make=partial(self._permission.step, kept),

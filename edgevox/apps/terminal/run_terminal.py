@@ -108,7 +108,7 @@ class InputLines:
     def take(self, begin: Callable[[str, int], None]) -> str | None:
         """Wait for the next line and begin it; the line, or None after the last one.
 
-        `begin` is given its mark, too. It must not block: no stop is told while it works, so none
+        `begin` also gets its mark. It must not block: no stop is told while it works, so none
         can come between a line and its beginning.
         """
         self._takes = threading.get_ident()
