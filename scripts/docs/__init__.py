@@ -12,7 +12,6 @@ TABLES: Mapping[str, Callable[[], str]] = {
     make.__name__: make
     for make in (
         bounds.bounds,
-        operating.alerts,
         operating.checks,
         operating.components,
         operating.environment,
