@@ -1,5 +1,6 @@
 """The tables of docs/deployment.md and docs/monitoring.md, for those who operate a robot."""
 
+import re
 import tomllib
 from collections.abc import Mapping
 from functools import cache
@@ -33,15 +34,17 @@ def environment() -> str:
 
 
 def metrics() -> str:
-    """All metrics."""
+    """All metrics; those of a process, and of servers that hear and speak, by their names."""
+    usual = [name for name in METRICS if name.startswith("process_")]
+    alike = [name for name in METRICS if re.sub("_(stt|tts)_", "_llm_", name, count=1) != name]
     rows = (
         (f"`{one.name}`", one.kind, _labels(one.labels), one.help, one.of)
         for one in METRICS.values()
-        if not one.name.startswith("process_")
+        if one.name not in usual and one.name not in alike
     )
-    usual = code(name for name in METRICS if name.startswith("process_"))
     return f"""{table(("metric", "kind", "labels", "what", "available for"), rows)}
-On Linux, every agent also has the usual metrics of a process: {usual}.
+The same of hearing and speech on a server: {code(alike)}.
+On Linux, every agent also has the usual metrics of a process: {code(usual)}.
 """
 
 
