@@ -11,7 +11,9 @@ from pydantic import BaseModel, ConfigDict, TypeAdapter
 from docs.components import COMPONENTS
 from docs.markdown import code, table
 from edgevox.apps.container import ENVIRONMENT
+from edgevox.apps.container.environment import Variable
 from edgevox.apps.doctor.checks import CHECKS
+from edgevox.core.settings import Settings
 from edgevox.ops.metric_table import METRICS
 
 
@@ -29,8 +31,18 @@ def checks() -> str:
 def environment() -> str:
     """The variables of the container."""
     rows = ENVIRONMENT.values()
-    cells = ((f"`{row.variable}`", row.default_text, row.sentence, row.values) for row in rows)
+    cells = ((f"`{row.variable}`", _default(row), row.sentence, row.values) for row in rows)
     return table(("variable", "default", "what", "values"), cells)
+
+
+def _default(row: Variable) -> str:
+    """A variable's default; empty without one."""
+    if row.shown:
+        return row.shown
+    if row.default or not row.setting:
+        return f"`{row.default}`" if row.default else ""
+    value = Settings.model_fields[row.setting].default
+    return "" if value in (None, "") else f"`{str(value).lower()}`"
 
 
 def metrics() -> str:
