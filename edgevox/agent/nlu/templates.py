@@ -38,6 +38,7 @@ from edgevox.agent.phrases.tables import Hearing
 from edgevox.agent.skills import NO_SKILLS, Call, Skill, SkillSet
 from edgevox.agent.skills.arguments import is_number_type
 from edgevox.agent.skills.skill import OneOf
+from edgevox.agent.text.alike import most_alike
 from edgevox.agent.text.spelling import (
     ENDING,
     NUMBER,
@@ -448,7 +449,7 @@ class _TemplateReader:
                     self._answers.say("no_words", argument=self._answers.kind(name))
                 )
             spoken = {key(one): word for one, word in self._book.heard(choices).items()}
-            near = difflib.get_close_matches(key(said), spoken, n=1, cutoff=_NEAR)
+            near = most_alike(key(said), spoken, least=_NEAR)
             inflected = self._book.fallback is not None
             same = bool(near) and is_same_name(key(said), near[0], inflected=inflected)
             if not near or not (same or self._is_alike(key(said), near[0])):
