@@ -5,20 +5,29 @@ robot by voice, each with the call it meant: ARL-SCOUT) and `huric.jsonl` (comma
 with their frames: HuRIC).
 
 Sentences count as heard without a doubt; no language model takes part. "asked" is the right call,
-asked about first; a wrong motion begins unasked. A house sentence with no other frame than Motion
-and Change_direction asks the robot to go; no other may move it.
+asked about first; a wrong motion begins unasked. Sentences about a house are judged by what is done
+and by what is said, by the keys of the robot's sentences:
+
+- Who only asks it to go wants it to go there, or to hear a true reason why not.
+- Who asks for what it cannot wants to hear by name all that it cannot.
+- Who tells something wants nothing.
 """
 
 import json
 import os
+import re
 import sys
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from support.noted_phrases import noted_phrases
+
 from benchmarks.core.figures import Figure, Measured, NotHere, printed
 from benchmarks.hearing.heard_robot import Outcome, Robot
+from edgevox.agent.nlu.meaning import Meaning
+from edgevox.agent.phrases.load import phrasebook
 from edgevox.agent.skills import Call
 from edgevox.models import ModelMissing
 from edgevox.voice.stt.speech_to_text import Transcript
@@ -26,8 +35,34 @@ from edgevox.voice.stt.speech_to_text import Transcript
 FOLDER = "EDGEVOX_PEOPLE_WORDS"
 WALKS = "People's orders to a robot that they drove by voice"
 HOUSE = "People's orders to a robot in a house"
-GOING = frozenset({"Motion", "Change_direction"})
-GOES, OTHER = "ask it to go", "ask for what it cannot, or for nothing"
+GOING = frozenset({"Motion", "Change_direction", "Arriving"})
+ACTS = {
+    **dict.fromkeys(
+        ("Attaching", "Bringing", "Giving", "Manipulation", "Placing", "Releasing", "Taking"),
+        "carry",
+    ),
+    **dict.fromkeys(("Inspecting", "Perception_active"), "look"),
+    "Locating": "find",
+    "Cotheme": "follow",
+    "Change_operational_state": "switch",
+    "Closure": "open",
+}
+"""The acts in `edgevox/core/languages` that frames ask for, by frame."""
+GO = "ask it only to go"
+BEYOND = "ask for what it cannot"
+TELL = "tell it something"
+DONE, ASKED, DECLINED, ELSE = "done", "asked about it", "declined, with a true reason", "all else"
+NAMED, FORGETS = "says all that it cannot", "asks, and forgets a part"
+MOVES, LOSES = "moves", "changes something for good"
+COLUMNS = {
+    GO: (DONE, ASKED, DECLINED, MOVES, LOSES, ELSE),
+    BEYOND: (NAMED, FORGETS, MOVES, LOSES, ELSE),
+    TELL: (MOVES, "asks", LOSES, ELSE),
+}
+"""What may become of each kind; `moves` is a motion that was not asked for."""
+SHORT = 3
+"""Letters of words that name no place: "to", "the"."""
+GOOD = {GO: {DONE, ASKED, DECLINED}, BEYOND: {NAMED}, TELL: {ELSE}}
 
 
 def main() -> int:
@@ -83,25 +118,88 @@ def _shares(what: str, counts: Counter[Outcome]) -> Iterator[Figure]:
 
 def _house(rows: Sequence[Mapping[str, Any]]) -> tuple[list[Figure], tuple[str, ...]]:
     robot, counts, lines = Robot("robot-apartment"), Counter[tuple[str, str]](), []
-    for row in rows:
-        if row["language"] != "en":
-            continue
-        kind = GOES if {frame for frame, _ in row["frames"]} <= GOING else OTHER
-        effect = robot.effect(Transcript(row["text"], 1.0))
-        counts[kind, effect] += 1
-        if (kind, effect) not in {(GOES, "moves"), (OTHER, "nothing, or an answer")}:
-            lines.append(f"{row['text']}: {effect}")
+    with noted_phrases() as noted:
+        for row in rows:
+            if row["language"] != "en":
+                continue
+            meaning, answer = robot.answer(Transcript(row["text"], 1.0))
+            kind, became = _judge(robot, row, meaning, answer, noted.keys_in(answer, "en"))
+            counts[kind, became] += 1
+            if became not in GOOD[kind]:
+                lines.append(f"{row['text']}: {became}: {answer}")
     kinds = Counter[str]()
     for (kind, _), number in counts.items():
         kinds[kind] += number
-    return [
-        Figure.share(
-            f"house.{kind.split()[-1]}.{effect.split(',')[0]}".replace(" ", "_"), HOUSE, kind,
-            counts[kind, effect], kinds[kind], column=effect,
-        )
-        for kind in (GOES, OTHER)
-        for effect in ("moves", "asks", "changes something for good", "nothing, or an answer")
-    ], tuple(lines)  # fmt: skip
+    figures = []
+    for kind, good in GOOD.items():
+        if of := kinds[kind]:
+            group = f"house.{kind.split()[-1]}"
+            hits = sum(counts[kind, one] for one in good)
+            figures.append(
+                Figure.share(
+                    group, HOUSE, kind, hits, of, column="good", wanted=95.0, more_is_better=True
+                )
+            )
+            figures += [
+                Figure.share(
+                    f"{group}.{re.sub('[^a-z]+', '_', one)}", HOUSE, kind, counts[kind, one], of,
+                    column=one, **({"wanted": 0.0} if one in {MOVES, LOSES, FORGETS} else {}),
+                )
+                for one in COLUMNS[kind]
+            ]  # fmt: skip
+    return figures, tuple(lines)
+
+
+def _judge(
+    robot: Robot, row: Mapping[str, Any], meaning: Meaning | None, answer: str, keys: set[str]
+) -> tuple[str, str]:
+    """Of what kind a sentence about a house is, and what became of it."""
+    frames = {frame for frame, _ in row["frames"]}
+    effect = robot.effect_of(meaning)
+    became = effect if effect in {MOVES, "asks", LOSES} else ELSE
+    if acts := {ACTS[frame] for frame in frames if frame in ACTS}:
+        said = all(phrasebook("en").acts[one].cannot in answer for one in acts)
+        if became == "asks":
+            return BEYOND, NAMED if said else FORGETS
+        return BEYOND, NAMED if said and became == ELSE else became
+    if not frames & GOING:
+        return TELL, became
+    if became in {MOVES, "asks"}:
+        right = meaning is not None and _goes_there(robot, row, meaning)
+        right_is, wrong_is = (DONE, MOVES) if became == MOVES else (ASKED, ELSE)
+        return GO, right_is if right else wrong_is
+    words = {*_where(row).split()}
+    named = "unknown_word" in keys and any(len(one) > SHORT and one in answer for one in words)
+    return GO, DECLINED if became == ELSE and named else became
+
+
+def _where(row: Mapping[str, Any]) -> str:
+    """Where a sentence wants the robot to go, or how."""
+    told = (values for frame, values in row["frames"] if frame in GOING)
+    return " ".join(
+        said for one in told for slot, said in one.items() if slot not in {"Theme", "Manner"}
+    )
+
+
+def _goes_there(robot: Robot, row: Mapping[str, Any], meaning: Meaning) -> bool:
+    """Whether these calls go where the sentence wants, or turn as it says, as far as it says."""
+    where, book = _where(row), phrasebook("en")
+    amounts = {float(one) for one in re.findall(r"\d+", row["text"])}
+    here = row["text"] if "there" in where.split() else where
+    for call in meaning.calls:
+        values = {*call.arguments.values()}
+        if {abs(one) for one in values if isinstance(one, float)} != amounts:
+            return False
+        choices = robot.skills[call.skill].choices.values()
+        named = {
+            word
+            for one in choices
+            for said, word in book.heard(one).items()
+            if f" {said} " in f" {here} "
+        }
+        if not (named & values if choices else call.skill.split("_")[-1] in where.split()):
+            return False
+    return bool(meaning.calls)
 
 
 if __name__ == "__main__":
