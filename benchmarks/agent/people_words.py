@@ -176,16 +176,14 @@ def _judge(
 def _where(row: Mapping[str, Any]) -> str:
     """Where a sentence wants the robot to go, or how."""
     told = (values for frame, values in row["frames"] if frame in GOING)
-    return " ".join(
-        said for one in told for slot, said in one.items() if slot not in {"Theme", "Manner"}
-    )
+    where = [said for one in told for slot, said in one.items() if slot not in {"Theme", "Manner"}]
+    return row["text"] if "there" in where else " ".join(where)
 
 
 def _goes_there(robot: Robot, row: Mapping[str, Any], meaning: Meaning) -> bool:
     """Whether these calls go where the sentence wants, or turn as it says, as far as it says."""
     where, book = _where(row), phrasebook("en")
     amounts = {float(one) for one in re.findall(r"\d+", row["text"])}
-    here = row["text"] if "there" in where.split() else where
     for call in meaning.calls:
         values = {*call.arguments.values()}
         if {abs(one) for one in values if isinstance(one, float)} != amounts:
@@ -195,7 +193,7 @@ def _goes_there(robot: Robot, row: Mapping[str, Any], meaning: Meaning) -> bool:
             word
             for one in choices
             for said, word in book.heard(one).items()
-            if f" {said} " in f" {here} "
+            if f" {said} " in f" {where} "
         }
         if not (named & values if choices else call.skill.split("_")[-1] in where.split()):
             return False

@@ -10,7 +10,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from edgevox.agent.nlu.clauses import ClauseReading
+from edgevox.agent.nlu.clauses import ClauseReading, find_place
 from edgevox.agent.nlu.encoder import Head, SentenceReader
 from edgevox.agent.nlu.lexicon import Lexicon, Words, is_mark, is_number
 from edgevox.agent.nlu.meaning import ASK_FROM, SURE_FROM
@@ -19,7 +19,7 @@ from edgevox.agent.nlu.remainder import is_denied_inside, is_left_over, is_unsai
 from edgevox.agent.phrases.load import ENGLISH
 from edgevox.agent.phrases.numbers import digits, is_exact
 from edgevox.agent.phrases.own_names import phrasebook_of
-from edgevox.agent.skills import Call, SkillSet
+from edgevox.agent.skills import Call, Skill, SkillSet
 from edgevox.agent.text.spelling import key
 
 QUESTION_MARKS = "?\N{FULLWIDTH QUESTION MARK}\N{ARABIC QUESTION MARK}"
@@ -344,6 +344,24 @@ class Readings:
             or is_left_over(_tokens(plain, lexicon), lexicon, denials=True)
             for lexicon, _ in self._readers
         )
+
+    def unknown_place(self, text: str) -> tuple[Skill, str, str] | None:
+        """A drive, its argument, and the usual place in these words that it does not know.
+
+        None for words that deny something or that no drive has.
+        """
+        self._renew()
+        lexicon, _ = self._readers[0]
+        words, tokens = lexicon.function_words, _tokens(" ".join(text.split()), lexicon)
+        said = find_place(tokens, lexicon)
+        if not said or lexicon.index(words.negations).starts(tokens):
+            return None
+        wished = bool(lexicon.index(words.wishes).starts(tokens))
+        for one in lexicon.skills.values():
+            weights = lexicon.words[one.name].weights
+            if one.drives and one.choices and (wished or not weights.keys().isdisjoint(tokens)):
+                return one, next(iter(one.choices)), said
+        return None
 
     def _is_left(self, reading: Reading, lexicon: Lexicon, text: str) -> bool:
         """True if a reading that acts leaves out words that change or deny the order.

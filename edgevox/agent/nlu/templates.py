@@ -30,7 +30,7 @@ from hassil.intents import Intent, IntentData, SlotList, TextSlotList, WildcardS
 from hassil.parse_expression import parse_sentence
 from hassil.util import normalize_for_matching
 
-from edgevox.agent.phrases.load import ENGLISH
+from edgevox.agent.phrases.load import ENGLISH, phrasebook
 from edgevox.agent.phrases.numbers import digits, is_exact
 from edgevox.agent.phrases.own_names import phrasebook_of
 from edgevox.agent.phrases.phrasebook import Phrasebook, brief, whole
@@ -275,6 +275,16 @@ def _indexed(words: TextSlotList) -> TextSlotList:
     return words
 
 
+@lru_cache(len(LANGUAGES))
+def usual_places(code: str) -> Mapping[str, str]:
+    """The usual places that a language has a word for, in `key` form, each as it is written.
+
+    Who says one of them means it, and no name of the robot's that is spelled much like it.
+    """
+    flat = (one.strip("()") for one in phrasebook(code).hearing.places if "[" not in one)
+    return {key(name): name for one in flat for name in one.split("|")}
+
+
 MAX_CHARACTERS = 240
 """Number of characters from which on an utterance is no plain command and goes to the model."""
 
@@ -448,7 +458,9 @@ class _TemplateReader:
                     self._answers.say("no_words", argument=self._answers.kind(name))
                 )
             spoken = {key(one): word for one, word in self._book.heard(choices).items()}
-            near = difflib.get_close_matches(key(said), spoken, n=1, cutoff=_NEAR)
+            known = (*spoken, *(usual_places(self._book.code).keys() - spoken.keys()))
+            near = difflib.get_close_matches(key(said), known, n=1, cutoff=_NEAR)
+            near = [one for one in near if one in spoken]
             inflected = self._book.fallback is not None
             same = bool(near) and is_same_name(key(said), near[0], inflected=inflected)
             if not near or not (same or self._is_alike(key(said), near[0])):
