@@ -246,6 +246,10 @@ _OBJECTIONS = ("denied", "reports", "opens_as_question", "asks", "plans", "addre
 """Evidence that a sentence is no order to the robot, or not for now."""
 
 
+_TOLD = ("reports", "opens_as_question", "plans", "doubts", "conditions")
+"""Evidence that a sentence tells something, though it denies a motion."""
+
+
 class Readings:
     """Reads and judges sentences for one set of skills, in one language and in English.
 
@@ -344,6 +348,48 @@ class Readings:
             or is_left_over(_tokens(plain, lexicon), lexicon, denials=True)
             for lexicon, _ in self._readers
         )
+
+    def named(self, text: str) -> Call | None:
+        """The one motion by an amount that these words name, and nothing beside, or None."""
+        judged = self.of(text)
+        alone = judged is not None and not judged.held_back and not judged.reading.strange
+        return self._amount(judged) if judged and alone else None
+
+    def denied(self, text: str) -> Call | None:
+        """The one motion by an amount that these words deny, and nothing beside, or None."""
+        judged = self.of(text)
+        if judged is None or not judged.reading.denied or any(map(judged.evidence.get, _TOLD)):
+            return None
+        for lexicon, _ in self._readers:
+            words = lexicon.function_words
+            tokens = _tokens(" ".join(text.split()), lexicon)
+            denials = lexicon.index(words.negations).places(tokens)
+            if not denials or lexicon.index(words.talking).starts(tokens):
+                continue
+            if judged.reading.strange <= len(denials):
+                return self._amount(judged)
+        return None
+
+    def _amount(self, judged: Judged) -> Call | None:
+        """The one motion by an amount of a reading, if more than courtesies names it, and is said.
+
+        "Not right now" denies no turn to the right.
+        """
+        reading = judged.reading
+        if len(reading.parts) != 1 or not self._skills[reading.calls[0].skill].relative:
+            return None
+        for lexicon, _ in self._readers:
+            words = lexicon.function_words
+            long = (one for one in (*words.fillers, *words.urges) if len(lexicon.phrase(one)) > 1)
+            courteous = lexicon.index(tuple(long)).places(reading.tokens)
+            weights = lexicon.words[reading.calls[0].skill].weights
+            speaks = any(
+                weights.get(one, 0.0) >= _SPEAKS and at not in courteous
+                for at, one in enumerate(reading.tokens)
+            )
+            if speaks and not is_left_over(reading.tokens, lexicon, reading.parts):
+                return reading.calls[0]
+        return None
 
     def unknown_place(self, text: str) -> tuple[Skill, str, str] | None:
         """A drive, its argument, and the usual place in these words that it does not know.

@@ -19,6 +19,7 @@ from edgevox.agent.nlu.disfluencies import fluent
 from edgevox.agent.nlu.hearing.hypotheses import breaks_off, is_contested, is_same, likeliest
 from edgevox.agent.nlu.hearing.near import NearCommands
 from edgevox.agent.nlu.hearing.sounds import Phonemes
+from edgevox.agent.nlu.lexicon import words_of
 from edgevox.agent.nlu.meaning import ASK_FROM, HEARD_FROM, Meaning, Program
 from edgevox.agent.nlu.order_reader import NO_CONDITIONS, ProgramReader, Unclear
 from edgevox.agent.nlu.questions import (
@@ -319,6 +320,32 @@ class Interpreter:
         """True if something in what was heard speaks against these words, but not in themselves."""
         against = self._readings[agent.name].objections
         return not frozenset().union(*map(against, heard)) <= against(words)
+
+    def named(self, text: str) -> Meaning | None:
+        """The plain command in these words, or the one motion by an amount that they only name.
+
+        "Right" names one: beside a motion that is not wanted that says which one is.
+        """
+        plain = self.plain(text)
+        if isinstance(plain, Meaning):
+            return plain
+        for agent in self._active_first() if plain is None else ():
+            if call := self._readings[agent.name].named(text):
+                return Meaning(agent, (call,), "reading", ASK_FROM)
+        return None
+
+    def denied(self, text: str) -> Call | None:
+        """The one call that these words deny and say nothing beside: "don't turn left"."""
+        denied = (self._readings[agent.name].denied(text) for agent in self._active_first())
+        found = next(filter(None, denied), None)
+        if found or self.phrases.hearing.spaced:
+            return found
+        words = (*words_of(self._code).negations, *self.phrases.answers.not_)
+        for one in sorted(words, key=len, reverse=True):
+            plain = self.plain(text.replace(one, "", 1)) if one in text else None
+            if isinstance(plain, Meaning) and len(plain.calls) == 1:
+                return plain.calls[0]
+        return None
 
     def is_held_back(self, text: str) -> bool:
         """True if these words say that they are no order, or not for now."""

@@ -464,7 +464,8 @@ class _TemplateReader:
             inflected = self._book.fallback is not None
             same = bool(near) and is_same_name(key(said), near[0], inflected=inflected)
             if not near or not (same or self._is_alike(key(said), near[0])):
-                return refused(self._answers, "unknown_word", name, choices.words, said)
+                as_said = self._without_articles(str(arguments[name]), leading=True)
+                return refused(self._answers, "unknown_word", name, choices.words, as_said)
             nearly |= not same
             arguments[name] = spoken[near[0]]
         return Understood((Call(call.skill, arguments),), nearly)
@@ -475,10 +476,13 @@ class _TemplateReader:
         longer = known in said and extra > (ENDING if self._book.hearing.spaced else 0)
         return not longer and _alike_word_by_word(said, known)
 
-    def _without_articles(self, said: str) -> str:
+    def _without_articles(self, said: str, *, leading: bool = False) -> str:
+        """Without its articles, or only without the `leading` ones."""
         articles = {key(separated(article)) for article in self._book.hearing.articles}
-        words = [word for word in said.split() if key(word) not in articles]
-        return " ".join(words).replace("' ", "'")
+        words = said.split()
+        kept = [at for at, word in enumerate(words) if key(word) not in articles]
+        kept = [*range(kept[0], len(words))] if leading and kept else kept
+        return " ".join(words[at] for at in kept).replace("' ", "'")
 
 
 def _alike_word_by_word(said: str, known: str) -> bool:
