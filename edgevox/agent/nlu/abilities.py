@@ -67,24 +67,27 @@ _ANY, _GAP = "*", "qzq"
 
 def cannot_do(
     text: str, book: Phrasebook, skills: Sequence[Skill], *, ordered: bool = False
-) -> str:
+) -> tuple[str, bool]:
     """The sentences that name what a text asks for and these skills cannot do; empty for none.
 
     "Go to the kitchen and bring me the mug" asks to carry something. In each clause the longest
     wording counts, where it begins; in an `ordered` text also behind other words, unless they deny.
+    The second value is False for a text of one clause whose act is done where a thing is, so that
+    a place in it is no place to go to: "pause the music in the kitchen".
     """
     names = {one.name for one in skills}
     acts, english = phrasebook(book.code).acts, phrasebook(ENGLISH).acts
     own = {word for one in skills if not book.knows(one) for word in _words_of(one, book)}
-    found: dict[str, None] = {}
-    for clause in _clauses(text, book):
+    found: dict[str, bool] = {}
+    clauses = _clauses(text, book)
+    for clause in clauses:
         asked = [*_acts_in(clause, book.code)]
         if not asked and ordered:
             asked = _acts_behind(clause, book)
         wording, name = max(asked, key=lambda one: len(one[0]), default=("", ""))
         if wording and names.isdisjoint(english[name].by) and not _words(wording) <= own:
-            found[acts[name].cannot] = None
-    return " ".join(found)
+            found[acts[name].cannot] = len(clauses) > 1 or not english[name].in_place
+    return " ".join(found), any(found.values())
 
 
 def _acts_behind(clause: str, book: Phrasebook) -> list[tuple[str, str]]:

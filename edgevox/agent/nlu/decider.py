@@ -98,12 +98,27 @@ def is_doubted(reading: Reading, facts: Mapping[str, float], lexicon: Lexicon) -
     if len(reading.parts) > 1 and not joints.starts(reading.tokens):
         return True
     wanted = any(facts[one] for one in ("urged", "asking", "wishing", "corrected"))
-    if _is_told_of(reading.tokens, lexicon, wanted):
+    if _is_told_of(reading.tokens, lexicon, wanted) or _names_another_way(reading, lexicon):
         return True
     pairs = itertools.pairwise(reading.tokens)
     if any(is_number(a) and b.isalpha() and not lexicon.knows(b) for a, b in pairs):
         return True
     return is_unsupported(reading, facts, lexicon) and not wanted
+
+
+def _names_another_way(reading: Reading, lexicon: Lexicon) -> bool:
+    """True if a drive to a place has a word of a motion by an amount: "vai indietro in cucina"."""
+    skills = lexicon.skills
+    ways = [words.weights for name, words in lexicon.words.items() if skills[name].relative]
+    return any(
+        lexicon.words[part.call.skill].weights.get(token, 0.0) < _SPEAKS
+        and any(one.get(token, 0.0) >= _SPEAKS for one in ways)
+        and not lexicon.in_a_name(token)
+        for part in reading.parts
+        if skills[part.call.skill].choices and skills[part.call.skill].drives
+        for at, token in enumerate(reading.tokens[part.start : part.end], part.start)
+        if at not in reading.courteous
+    )
 
 
 def _is_told_of(tokens: Words, lexicon: Lexicon, wanted: bool) -> bool:

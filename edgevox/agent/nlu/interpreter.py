@@ -125,7 +125,7 @@ class Interpreter:
             self._say_unclear(turn)
             return None
         near = None if program else self._sounds_like(text, turn)
-        if near and self._cannot(text):
+        if near and self._cannot(text)[0]:
             near = None
         if near and near.sure:
             return self._taken(near, turn)
@@ -153,7 +153,7 @@ class Interpreter:
         whether = asks_whether(text, self._code)
         if not whether and (asked := self._asked(text)):
             return self._taken(asked, turn)
-        if cannot := self._cannot(text):
+        if cannot := self._cannot(text)[0]:
             turn.say(cannot, Outcome.REFUSED)
             return None
         if whether and not _needs_model(self.active):
@@ -216,10 +216,13 @@ class Interpreter:
             return Meaning(agent, decision.calls, "reading", sure)
         return None
 
-    def _cannot(self, text: str) -> str:
-        """The sentence that names what these words ask for and no skill can do; empty for none."""
+    def _cannot(self, text: str) -> tuple[str, bool]:
+        """The sentences that name what these words ask for and no skill can do; empty for none.
+
+        The second value is True if the robot may be wanted elsewhere for it.
+        """
         if asks(text, self._code):
-            return ""
+            return "", False
         skills = self._every_skill()
         return cannot_do(text, self.phrases, skills, ordered=self._ordered(text))
 
@@ -229,10 +232,11 @@ class Interpreter:
         One that only tells something is not what they ask for then.
         """
         guesses = meaning and self._only_guesses(meaning)
-        cannot = self._cannot(text) if meaning and (guesses or _drives(meaning)) else ""
+        acts = meaning and (guesses or _drives(meaning))
+        cannot, elsewhere = self._cannot(text) if acts else ("", False)
         if not meaning or not cannot:
             return meaning
-        if guesses:
+        if guesses or not elsewhere:
             return None
         turn.say(cannot)
         return replace(meaning, confidence=min(meaning.confidence, ASK_FROM))

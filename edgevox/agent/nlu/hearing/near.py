@@ -16,6 +16,7 @@ import numpy as np
 from edgevox.agent.nlu.hearing.network import Network, Path, Sentences
 from edgevox.agent.nlu.hearing.sounds import Phonemes, Sounds, SpanTable, sounds_of
 from edgevox.agent.nlu.hearing.wordings import bare_name
+from edgevox.agent.nlu.lexicon import words_of
 from edgevox.agent.nlu.meaning import HEARD_FROM
 from edgevox.agent.nlu.templates import usual_places
 from edgevox.agent.phrases.load import phrasebook
@@ -163,6 +164,9 @@ class NearCommands:
         acts = phrasebook(book.code).acts.values()
         usual = (*usual_places(book.code), *(words for one in acts for words in one.words))
         self._usual = frozenset(word for one in usual for word in key(one).split())
+        self._small = frozenset(
+            word for one in words_of(book.code).all() for word in key(one).split()
+        )
         self._words: object = None
         self._network = Network((), {}, self._sounds)
         self._last: tuple[object, NearCommand | None] | None = None
@@ -227,7 +231,7 @@ class NearCommands:
             heard=best.heard,
             sure=sure or (clear and best.heard.confidence >= HEARD_FROM),
             likely=likely or clear,
-            alone=best.path.of.alone,
+            alone=best.path.of.alone and not self._says_another(best),
         )
 
     def _rated(
@@ -307,6 +311,12 @@ class NearCommands:
             or (not one.words and not values.isdisjoint(map(key, one.said)))
             for one in differences
         )
+
+    def _says_another(self, one: _Candidate) -> bool:
+        """True if each word that the sentence has another for is known: "salut" is no "salon"."""
+        differences = self._differences(one.heard.text, one.path.words)
+        words = {key(word) for each in differences for word in each.words}
+        return bool(words) and words <= self._usual | self._small
 
     def _differences(self, heard: str, sentence: str) -> list[_Difference]:
         """Where the words of a sentence differ from what was heard, but for articles."""
