@@ -19,6 +19,7 @@ import re
 import sys
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
+from itertools import product
 from pathlib import Path
 from typing import Any
 
@@ -53,13 +54,14 @@ BEYOND = "ask for what it cannot"
 TELL = "tell it something"
 DONE, ASKED, DECLINED, ELSE = "done", "asked about it", "declined, with a true reason", "all else"
 NAMED, FORGETS = "says all that it cannot", "asks, and forgets a part"
-MOVES, LOSES = "moves", "changes something for good"
+MOVES, ASKS, LOSES = "moves", "asks", "changes something for good"
 COLUMNS = {
     GO: (DONE, ASKED, DECLINED, MOVES, LOSES, ELSE),
     BEYOND: (NAMED, FORGETS, MOVES, LOSES, ELSE),
-    TELL: (MOVES, "asks", LOSES, ELSE),
+    TELL: (MOVES, ASKS, LOSES, ELSE),
 }
 """What may become of each kind; `moves` is a motion that was not asked for."""
+LABELS = {"en": "", "it": ", in Italian"}
 SHORT = 3
 """Letters of words that name no place: "to", "the"."""
 GOOD = {GO: {DONE, ASKED, DECLINED}, BEYOND: {NAMED}, TELL: {ELSE}}
@@ -117,60 +119,66 @@ def _shares(what: str, counts: Counter[Outcome]) -> Iterator[Figure]:
 
 
 def _house(rows: Sequence[Mapping[str, Any]]) -> tuple[list[Figure], tuple[str, ...]]:
-    robot, counts, lines = Robot("robot-apartment"), Counter[tuple[str, str]](), []
+    robot, counts, lines = Robot("robot-apartment"), Counter[tuple[str, str, str]](), []
     with noted_phrases() as noted:
-        for row in rows:
-            if row["language"] != "en":
-                continue
-            meaning, answer = robot.answer(Transcript(row["text"], 1.0))
-            kind, became = _judge(robot, row, meaning, answer, noted.keys_in(answer, "en"))
-            counts[kind, became] += 1
-            if became not in GOOD[kind]:
-                lines.append(f"{row['text']}: {became}: {answer}")
-    kinds = Counter[str]()
-    for (kind, _), number in counts.items():
-        kinds[kind] += number
-    figures = []
-    for kind, good in GOOD.items():
-        if of := kinds[kind]:
-            group = f"house.{kind.split()[-1]}"
-            hits = sum(counts[kind, one] for one in good)
-            figures.append(
-                Figure.share(
-                    group, HOUSE, kind, hits, of, column="good", wanted=95.0, more_is_better=True
-                )
+        for code in LABELS:
+            robot.speak(code)
+            for row in (one for one in rows if one["language"] == code):
+                kind = _kind(row)
+                if kind == GO and code != "en":
+                    continue  # where it is to go is judged by English words
+                meaning, answer = robot.answer(Transcript(row["text"], 1.0))
+                became = _became(robot, row, meaning, answer, noted.keys_in(answer, code))
+                counts[code, kind, became] += 1
+                if became not in GOOD[kind]:
+                    lines.append(f"{row['text']}: {became}: {answer}")
+    return [*_house_figures(counts)], tuple(lines)
+
+
+def _house_figures(counts: Counter[tuple[str, str, str]]) -> Iterator[Figure]:
+    for code, kind in product(LABELS, GOOD):
+        became = {one: counts[code, kind, one] for one in COLUMNS[kind]}
+        if of := sum(became.values()):
+            group, label = f"house.{code}.{kind.split()[-1]}", f"{kind}{LABELS[code]}"
+            good = sum(became[one] for one in GOOD[kind])
+            yield Figure.share(
+                group, HOUSE, label, good, of, column="good", wanted=95.0, more_is_better=True
             )
-            figures += [
-                Figure.share(
-                    f"{group}.{re.sub('[^a-z]+', '_', one)}", HOUSE, kind, counts[kind, one], of,
-                    column=one, **({"wanted": 0.0} if one in {MOVES, LOSES, FORGETS} else {}),
+            for one, number in became.items():
+                wanted = 0.0 if one in {MOVES, LOSES, FORGETS} else None
+                name = re.sub("[^a-z]+", "_", one)
+                yield Figure.share(
+                    f"{group}.{name}", HOUSE, label, number, of, column=one, wanted=wanted
                 )
-                for one in COLUMNS[kind]
-            ]  # fmt: skip
-    return figures, tuple(lines)
 
 
-def _judge(
-    robot: Robot, row: Mapping[str, Any], meaning: Meaning | None, answer: str, keys: set[str]
-) -> tuple[str, str]:
-    """Of what kind a sentence about a house is, and what became of it."""
+def _kind(row: Mapping[str, Any]) -> str:
+    """Of what kind a sentence about a house is."""
     frames = {frame for frame, _ in row["frames"]}
-    effect = robot.effect_of(meaning)
-    became = effect if effect in {MOVES, "asks", LOSES} else ELSE
-    if acts := {ACTS[frame] for frame in frames if frame in ACTS}:
-        said = all(phrasebook("en").acts[one].cannot in answer for one in acts)
-        if became == "asks":
-            return BEYOND, NAMED if said else FORGETS
-        return BEYOND, NAMED if said and became == ELSE else became
-    if not frames & GOING:
-        return TELL, became
-    if became in {MOVES, "asks"}:
-        right = meaning is not None and _goes_there(robot, row, meaning)
-        right_is, wrong_is = (DONE, MOVES) if became == MOVES else (ASKED, ELSE)
-        return GO, right_is if right else wrong_is
-    words = {*_where(row).split()}
-    named = "unknown_word" in keys and any(len(one) > SHORT and one in answer for one in words)
-    return GO, DECLINED if became == ELSE and named else became
+    if frames & ACTS.keys():
+        return BEYOND
+    return GO if frames & GOING else TELL
+
+
+def _became(
+    robot: Robot, row: Mapping[str, Any], meaning: Meaning | None, answer: str, keys: set[str]
+) -> str:
+    """What became of a sentence about a house."""
+    effect, kind = robot.effect_of(meaning), _kind(row)
+    became = effect if effect in {MOVES, ASKS, LOSES} else ELSE
+    if kind == BEYOND:
+        acts = phrasebook(row["language"]).acts
+        asked_for = {ACTS[frame] for frame, _ in row["frames"] if frame in ACTS}
+        if all(acts[one].cannot in answer for one in asked_for):
+            return NAMED if became in {ASKS, ELSE} else became
+        return FORGETS if became == ASKS else became
+    if kind == GO and meaning and became in {MOVES, ASKS}:
+        right, wrong = (DONE, MOVES) if became == MOVES else (ASKED, ELSE)
+        return right if _goes_there(robot, row, meaning) else wrong
+    if kind == GO and became == ELSE and "unknown_word" in keys:
+        words = (one for one in _where(row).split() if len(one) > SHORT)
+        return DECLINED if any(one in answer for one in words) else ELSE
+    return became
 
 
 def _where(row: Mapping[str, Any]) -> str:

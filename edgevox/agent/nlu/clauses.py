@@ -64,12 +64,17 @@ def find_names(lexicon: Lexicon, tokens: Words) -> list[Name]:
     for place, names in lexicon.names.items():
         for start, end, word in _exactly(names, tokens):
             found.setdefault((start, end), {})[place] = word
+    wider = [span for span in _usual_spans(lexicon, tokens) if span not in found]
+    for start, end in [*found]:
+        if any(at <= start and end <= to for at, to in wider):
+            del found[start, end]  # "sala" of "sala da pranzo"
     chosen = _longest([Name(start, end, values) for (start, end), values in found.items()])
     near: dict[tuple[int, int], dict[tuple[str, str], str]] = {}
     guessed: set[tuple[int, int]] = set()
     for place, names in lexicon.names.items():
         for start, end, word, alike in _nearly(names, tokens, lexicon):
-            if not any(one.start < end and start < one.end for one in chosen):
+            taken = (*wider, *((one.start, one.end) for one in chosen))
+            if not any(at < end and start < to for at, to in taken):
                 near.setdefault((start, end), {})[place] = word
                 guessed |= set() if alike else {(start, end)}
     added = [
@@ -77,6 +82,13 @@ def find_names(lexicon: Lexicon, tokens: Words) -> list[Name]:
         for place, values in near.items()
     ]
     return sorted([*chosen, *_longest(added)], key=lambda one: one.start)
+
+
+def _usual_spans(lexicon: Lexicon, tokens: Words) -> list[tuple[int, int]]:
+    """Where names of usual places of several words are said."""
+    names = {lexicon.tokenize(one): one for one in usual_places(lexicon.book.code).values()}
+    several = {name: one for name, one in names.items() if len(name) > 1}
+    return [(start, end) for start, end, _ in _exactly(several, tokens)]
 
 
 def find_place(tokens: Words, lexicon: Lexicon) -> str:
