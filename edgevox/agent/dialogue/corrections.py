@@ -31,6 +31,7 @@ _MOST_NAME_WORDS = 3
 """Number of words of the longest name that is found in another form."""
 
 _AMOUNT = re.compile(rf"(?P<number>{NUMBER})(?P<behind>\s*[^\W\d]*)")
+"""A number, and the word behind it."""
 
 _First = tuple[Agent, Sequence[Call], Call]
 """What a correction changes: an agent, its calls, and the one of them that drives."""
@@ -51,7 +52,9 @@ class Instead:
 
 
 class Corrections:
-    """Reads corrections, in the interpreter's language. Any thread may ask.
+    """Reads corrections, in the interpreter's language.
+
+    Any thread may ask for `of`, `bare` and `denies`, only the conversation's for the others.
 
     A correction changes the open question, otherwise the last drive.
     """
@@ -94,18 +97,18 @@ class Corrections:
             return None
         skills = self._interpreter.active.every_skill.values()
         plain = digits(" ".join(one_form(text).split()), self._book.code)
-        spoken = {**known_words(skills, self._book, text), **self._numbers(plain)}
+        numbers = self._numbers(plain)
+        spoken = {**known_words(skills, self._book, text), **numbers}
         found = [
-            *self.answers.contrasts(plain if self._numbers(plain) else text, spoken),
+            *self.answers.contrasts(plain if numbers else text, spoken),
             *self._not_stopping(text),
             *self._other_ways(text),
         ]
         first = self._first()
         meant = {first[2].skill, *map(str, first[2].arguments.values())} if first else set[str]()
-        numbers = {*self._numbers(plain).values()}
         for one in found:
-            if one.denied & numbers and not any(map(str.isdigit, one.rest)):
-                continue  # what is not wanted was said, and nothing in its place
+            if one.denied & {*numbers.values()} and not any(map(str.isdigit, one.rest)):
+                continue  # the amount that is not wanted was said, and none in its place
             if (read := self._wanted(one)) is not None:
                 return Instead(read, one.rest, bool(meant & one.denied))
         for one in found:
@@ -179,7 +182,7 @@ class Corrections:
             first = _one_drive(meant) if isinstance(meant, Meaning) else None
             if first is None:
                 continue
-            right = self._changed(after, first) or self._interpreter.plain(after)
+            right = self._changed(after, first, named=True) or self._interpreter.plain(after)
             if isinstance(right, Meaning):
                 return right
             if is_no:
@@ -192,29 +195,32 @@ class Corrections:
             before = before if rest else ordered  # "go to the kitchen, no"
         plain = self._interpreter.plain(before) if before else None
         first = _one_drive(plain) if isinstance(plain, Meaning) else self._last_drive()
-        meant = self._changed(text, first) if first else None
+        meant = self._changed(text, first, named=True) if first else None
         return meant or self._interpreter.plain(self.answers.after_denial(text) or text)
 
-    def _changed(self, text: str, first: _First, *, taken_back: bool = True) -> Meaning | None:
+    def _changed(
+        self, text: str, first: _First, *, taken_back: bool = True, named: bool = False
+    ) -> Meaning | None:
         """The calls with another one in place of the drive that the text corrects.
 
-        With `taken_back`, words before the text took it back.
+        With `taken_back`, words before the text took it back. With `named`, it is enough that the
+        text names another way: only the conversation's thread may ask for that.
         """
         agent, calls, wrong = first
         skill = agent.every_skill[wrong.skill]
         right = correct(wrong, skill, text, self.answers, self._book, taken_back=taken_back)
         rest = text if taken_back else self.answers.after_no(text)
-        right = right or (self._other_way(wrong, agent, rest) if rest else None)
+        right = right or (self._other_way(wrong, agent, rest, named=named) if rest else None)
         if right is None:
             return None
         return Meaning(agent, tuple(right if c is wrong else c for c in calls), "template")
 
-    def _other_way(self, wrong: Call, agent: Agent, text: str) -> Call | None:
+    def _other_way(self, wrong: Call, agent: Agent, text: str, *, named: bool) -> Call | None:
         """The call by the same amount the other way: "no, to the right"."""
-        named = self._interpreter.named(text)
-        if named is None or len(named.calls) != 1:
+        said = self._interpreter.named(text) if named else self._interpreter.plain(text)
+        if not isinstance(said, Meaning) or len(said.calls) != 1:
             return None
-        (call,) = named.calls
+        (call,) = said.calls
         skills = agent.every_skill
         if call.skill == wrong.skill or call.arguments or call.skill not in skills:
             return None
