@@ -8,9 +8,9 @@ Sentences count as heard without a doubt; no language model takes part. "asked" 
 asked about first; a wrong motion begins unasked. Sentences about a house are judged by what is done
 and by what is said, by the keys of the robot's sentences:
 
-- Who only asks it to go wants it to go there, or to hear a true reason why not.
-- Who asks for what it cannot wants to hear by name all that it cannot.
-- Who tells something wants nothing.
+- If they only ask it to go, it goes there, asks about just that, or says a true reason why not.
+- If they ask for what it cannot do, it names all of that, even if it asks about the rest.
+- If they only tell it something, it does and asks nothing.
 """
 
 import json

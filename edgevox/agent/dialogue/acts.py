@@ -263,7 +263,7 @@ class Answers:
                     yield Contrast(denied, wanted.strip(), joined, plainly)
 
     def halves(self, text: str) -> Iterator[tuple[str, str, bool]]:
-        """Each denial that a mark or a "instead of" may part from the rest, and that rest.
+        """Each denial that a mark or an "instead of" may part from the rest, and that rest.
 
         The third value is True if the denial cannot be a "no" to what is before it.
         """

@@ -279,7 +279,7 @@ def _indexed(words: TextSlotList) -> TextSlotList:
 def usual_places(code: str) -> Mapping[str, str]:
     """The usual places that a language has a word for, in `key` form, each as it is written.
 
-    Who says one of them means it, and no name of the robot's that is spelled much like it.
+    One of them in a sentence is meant: it is no misspelt name of the robot's.
     """
     flat = (one.strip("()") for one in phrasebook(code).hearing.places if "[" not in one)
     return {key(name): name for one in flat for name in one.split("|")}
