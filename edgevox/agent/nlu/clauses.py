@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from edgevox.agent.nlu.lexicon import Lexicon, SkillWords, Words, is_mark, is_number, plain
+from edgevox.agent.nlu.templates import usual_places
 from edgevox.agent.skills import STOP, Call
 from edgevox.agent.skills.arguments import check_arguments
 from edgevox.agent.text.spelling import ENDING, is_same_name
@@ -63,12 +64,17 @@ def find_names(lexicon: Lexicon, tokens: Words) -> list[Name]:
     for place, names in lexicon.names.items():
         for start, end, word in _exactly(names, tokens):
             found.setdefault((start, end), {})[place] = word
+    wider = [span for span in _usual_spans(lexicon, tokens) if span not in found]
+    for start, end in [*found]:
+        if any(at <= start and end <= to for at, to in wider):
+            del found[start, end]  # "sala" of "sala da pranzo"
     chosen = _longest([Name(start, end, values) for (start, end), values in found.items()])
     near: dict[tuple[int, int], dict[tuple[str, str], str]] = {}
     guessed: set[tuple[int, int]] = set()
     for place, names in lexicon.names.items():
         for start, end, word, alike in _nearly(names, tokens, lexicon):
-            if not any(one.start < end and start < one.end for one in chosen):
+            taken = (*wider, *((one.start, one.end) for one in chosen))
+            if not any(at < end and start < to for at, to in taken):
                 near.setdefault((start, end), {})[place] = word
                 guessed |= set() if alike else {(start, end)}
     added = [
@@ -76,6 +82,33 @@ def find_names(lexicon: Lexicon, tokens: Words) -> list[Name]:
         for place, values in near.items()
     ]
     return sorted([*chosen, *_longest(added)], key=lambda one: one.start)
+
+
+def _usual_spans(lexicon: Lexicon, tokens: Words) -> list[tuple[int, int]]:
+    """Where names of usual places of several words are said."""
+    names = {lexicon.tokenize(one): one for one in usual_places(lexicon.book.code).values()}
+    several = {name: one for name, one in names.items() if len(name) > 1}
+    return [(start, end) for start, end, _ in _exactly(several, tokens)]
+
+
+def find_place(tokens: Words, lexicon: Lexicon) -> str:
+    """The first usual place in a sentence that is no name that skills know; empty for none."""
+    places = {lexicon.tokenize(one): one for one in usual_places(lexicon.book.code).values()}
+    named = {at for one in find_names(lexicon, tokens) for at in range(one.start, one.end)}
+    inflected = lexicon.book.fallback is not None and lexicon.book.hearing.spaced
+    for start in range(len(tokens)):
+        for size in (3, 2, 1):
+            said = tokens[start : start + size]
+            if len(said) < size or named.intersection(range(start, start + size)):
+                continue
+            if said in places:
+                return places[said]
+            alike = " ".join(said)
+            if inflected and len(alike) >= _SHORTEST:
+                same = (one for one in places if is_same_name(alike, " ".join(one), inflected=True))
+                if place := next(same, None):
+                    return places[place]
+    return ""
 
 
 def find_numbers(tokens: Words, linking: frozenset[str]) -> list[Number]:
@@ -127,6 +160,8 @@ def _nearly(
     if not lexicon.book.hearing.spaced:
         return
     joined = {"".join(name): word for name, word in names.items()}
+    places = {"".join(lexicon.tokenize(one)) for one in usual_places(lexicon.book.code)}
+    known = (*joined, *(places - joined.keys()))
     inflected = lexicon.book.fallback is not None
     for start in range(len(tokens)):
         for size in (2, 1, 3):
@@ -136,8 +171,8 @@ def _nearly(
             said = "".join(parts)
             if len(said) < _SHORTEST or (size == 1 and lexicon.knows(said)):
                 continue
-            for near in difflib.get_close_matches(said, joined, n=1, cutoff=_NEARLY):
-                if len(near) >= _SHORTEST and _begins_alike(said, near):
+            for near in difflib.get_close_matches(said, known, n=1, cutoff=_NEARLY):
+                if near in joined and len(near) >= _SHORTEST and _begins_alike(said, near):
                     alike = is_same_name(said, near, inflected=inflected)
                     yield start, start + size, joined[near], alike
 
