@@ -331,11 +331,11 @@ def _past(
     def what_did_you_do(goal: GoalHandle) -> Result:
         """Say what the robot did last, and how that ended."""
         goal.token.check()
-        moved = dialogue.moved()
-        if moved is None:
+        errand = dialogue.errand()
+        if not errand:
             return {}
-        action = _in_words(moved, skills, phrases())
-        ended = moved.status
+        action = " ".join(_in_words(one, skills, phrases()) for one in errand)
+        ended = errand[-1].status
         return {
             "done": action,
             "now": ended is GoalStatus.RUNNING,

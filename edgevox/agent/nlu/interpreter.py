@@ -26,6 +26,7 @@ from edgevox.agent.nlu.questions import (
     WorldWords,
     asks,
     asks_whether,
+    cued,
     is_about_hearer,
     question_of,
 )
@@ -127,6 +128,8 @@ class Interpreter:
         if near and near.sure:
             return self._taken(near, turn)
         meaning = self._without_acts(self._read(text), text, turn)
+        if meaning and _tells_only(meaning):
+            meaning = self._cued(text) or meaning
         if meaning and (meaning.sure or not near) and not (program and _drives(meaning)):
             return self._taken(meaning, turn)
         if meaning and isinstance(program, Unclear):  # not for now, so not done
@@ -146,7 +149,7 @@ class Interpreter:
         `said` are the same words with their false starts.
         """
         whether = asks_whether(text, self._code)
-        if not whether and (asked := self._asked(text)):
+        if asked := self._asked(text, whether=whether):
             return self._taken(asked, turn)
         if cannot := self._cannot(text):
             turn.say(cannot, Outcome.REFUSED)
@@ -222,11 +225,19 @@ class Interpreter:
             return replace(meaning, confidence=min(meaning.confidence, ASK_FROM))
         return meaning
 
-    def _asked(self, text: str) -> Meaning | None:
+    def _asked(self, text: str, *, whether: bool) -> Meaning | None:
         """The question to the robot that the words most likely ask, though no template fits."""
+        if (found := self._cued(text)) or whether:
+            return found
         for agent in self._active_first():
             judged = self._questions[agent.name].of(text)
             if call := question_of(judged, text, self._code):
+                return Meaning(agent, (call,), "reading", ASK_FROM)
+        return None
+
+    def _cued(self, text: str) -> Meaning | None:
+        for agent in self._active_first():
+            if call := cued(text, self._questions[agent.name].lexicon):
                 return Meaning(agent, (call,), "reading", ASK_FROM)
         return None
 
@@ -432,6 +443,11 @@ class Interpreter:
 
 def _drives(meaning: Meaning) -> bool:
     return any(meaning.agent.every_skill[call.skill].drives for call in meaning.calls)
+
+
+def _tells_only(meaning: Meaning) -> bool:
+    skills = [meaning.agent.every_skill[call.skill] for call in meaning.calls]
+    return not any(one.moves or one.lasting for one in skills)
 
 
 def _goes_back_from_there(meaning: Meaning) -> bool:

@@ -5,15 +5,17 @@ A model knows nothing of the robot and its world. A question about them that no 
 """
 
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator, Sequence
 from functools import cached_property
 
+from edgevox.agent.nlu.clauses import Name, find_names
 from edgevox.agent.nlu.decider import QUESTION_MARKS, Judged
-from edgevox.agent.nlu.lexicon import plain, words_of
+from edgevox.agent.nlu.lexicon import Lexicon, Words, is_mark, plain, words_of
 from edgevox.agent.phrases.numbers import digits
 from edgevox.agent.phrases.phrasebook import Phrasebook
 from edgevox.agent.skills import Call, Skill
 from edgevox.agent.text.spelling import NUMBER, key
+from edgevox.agent.text.words import spoken_name
 from edgevox.core.languages import LANGUAGES
 
 _LEAST_TOLD = 4.0, 2.8
@@ -38,6 +40,102 @@ def question_of(judged: Judged | None, text: str, code: str) -> Call | None:
     known = facts["share_strange"] <= _MOST_STRANGE[named] and not facts["strange_unfilled"]
     clear = part.support - part.rival >= _LEAST_LEAD[named] and not facts["denied"]
     return part.call if told and known and clear else None
+
+
+def cued(text: str, lexicon: Lexicon) -> Call | None:
+    """The question of the table `cues` whose words are all said, in any order; None if unclear.
+
+    Of several questions the one with the most groups of words is asked, then the one with the
+    longest. All names must be used, and hardly a word be unknown: "how long does a film last".
+    """
+    if not _inquires(text, lexicon.book.code):
+        return None
+    tokens = lexicon.spelled(lexicon.tokenize(digits(" ".join(text.split()), lexicon.book.code)))
+    names = find_names(lexicon, tokens)
+    said = f" {' '.join(_with_slots(tokens, names))} "
+    asked: dict[tuple[int, int], set[str]] = {}
+    for name in lexicon.book.cues.keys() & lexicon.skills.keys():
+        for cue in lexicon.book.cues[name]:
+            if (found := _match(lexicon.book.written_out(cue), said, lexicon)) is None:
+                continue
+            if len(_SLOT.findall(cue)) == len(names) and _is_known(found, tokens, names, lexicon):
+                size = len(found), sum(map(len, found))
+                asked.setdefault(size, set()).add(name)
+    best = asked[max(asked)] if asked else set()
+    return _call(*best, names, lexicon) if len(best) == 1 else None
+
+
+def _inquires(text: str, code: str) -> bool:
+    """True if the text has a question mark or a question word, and opens as no wish."""
+    words, said = words_of(code), f"{plain(text)} "
+    if any(said.startswith(f"{plain(one)} ") for one in words.wishes):
+        return False
+    return any(mark in text for mark in QUESTION_MARKS) or _holds(text, words.questions, code)
+
+
+def _with_slots(tokens: Words, names: Sequence[Name]) -> Iterator[str]:
+    """The tokens, with a slot for each name: "how far is the {room}"."""
+    starts = {one.start: one for one in names}
+    inside = {at for one in names for at in range(one.start, one.end)}
+    for at, token in enumerate(tokens):
+        if at in starts:
+            yield from {f"{{{spoken_name(argument)}}}" for _, argument in starts[at].values}
+        elif at not in inside:
+            yield token
+
+
+def _match(cue: str, said: str, lexicon: Lexicon) -> list[str] | None:
+    """What is said for each group of words of a cue; None if a group is not said."""
+    found = []
+    for several, single in _GROUP.findall(cue):
+        forms = (several or single).split("|")
+        pattern = "|".join(_form(one, lexicon) for one in sorted(forms, key=len, reverse=True))
+        hit = re.search(pattern, said)
+        if hit is None:
+            return None
+        found.append(hit[0].strip())
+    return found
+
+
+def _form(form: str, lexicon: Lexicon) -> str:
+    """The pattern of a form of a cue; `*` at its end stands for any ending."""
+    if form.startswith("{"):
+        return re.escape(form)
+    words = re.escape(" ".join(lexicon.phrase(form.removesuffix("*"))))
+    if not lexicon.book.hearing.spaced:
+        return words.replace(r"\ ", r"\ ?")
+    return rf"(?<= ){words}\w*(?= )" if form.endswith("*") else rf"(?<= ){words}(?= )"
+
+
+def _is_known(
+    found: Iterable[str], tokens: Words, names: Sequence[Name], lexicon: Lexicon
+) -> bool:
+    """True if hardly a word beside what was found and the names is unknown."""
+    used = {word for one in found for word in one.split()}
+    inside = {at for one in names for at in range(one.start, one.end)}
+    strange = [
+        one
+        for at, one in enumerate(tokens)
+        if at not in inside and one not in used and not is_mark(one) and not lexicon.knows(one)
+    ]
+    return len(strange) <= _MOST_STRANGE[bool(names)] * len(tokens)
+
+
+def _call(name: str, names: Sequence[Name], lexicon: Lexicon) -> Call | None:
+    """The call of this skill with these names; None if one is missing."""
+    said = {
+        argument: word
+        for one in names
+        for (skill, argument), word in one.values.items()
+        if skill == name
+    }
+    fields = lexicon.skills[name].arguments_model.model_fields
+    lacks = any(info.is_required() and one not in said for one, info in fields.items())
+    return None if lacks else Call(name, said)
+
+
+_GROUP = re.compile(r"\(([^()]*)\)|([^\s()]+)")
+_SLOT = re.compile(r"\{\w+\}")
 
 
 def asks(text: str, code: str) -> bool:
