@@ -4,7 +4,6 @@
 "no, the bedroom" corrects.
 """
 
-import itertools
 import threading
 from collections import deque
 from collections.abc import Callable, Collection, Mapping
@@ -244,12 +243,6 @@ class Dialogue:
     def moved(self) -> MotionRecord | None:
         """The last motion, running or ended, or None."""
         return next(iter(self._ran()), None)
-
-    def errand(self) -> list[MotionRecord]:
-        """The last motion, and those before it that the same turn asked for, in their order."""
-        ran = self._ran()
-        same = itertools.takewhile(lambda one: one.turn == ran[0].turn > 0, ran)
-        return list(same)[::-1] or ran[:1]
 
     def came_from(self) -> Pose2D | None:
         """The pose where the last motion began, or None.

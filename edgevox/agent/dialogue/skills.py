@@ -331,11 +331,11 @@ def _past(
     def what_did_you_do(goal: GoalHandle) -> Result:
         """Say what the robot did last, and how that ended."""
         goal.token.check()
-        errand = dialogue.errand()
-        if not errand:
+        moved = dialogue.moved()
+        if moved is None:
             return {}
-        action = " ".join(_in_words(one, skills, phrases()) for one in errand)
-        ended = errand[-1].status
+        action = _in_words(moved, skills, phrases())
+        ended = moved.status
         return {
             "done": action,
             "now": ended is GoalStatus.RUNNING,
