@@ -52,7 +52,8 @@ def cued(text: str, lexicon: Lexicon) -> Call | None:
         return None
     tokens = lexicon.spelled(lexicon.tokenize(digits(" ".join(text.split()), lexicon.book.code)))
     names = find_names(lexicon, tokens)
-    said = f" {' '.join(_with_slots(tokens, names))} "
+    space = " " if lexicon.book.hearing.spaced else ""
+    said = f"{space}{space.join(_with_slots(tokens, names))}{space}"
     asked: dict[tuple[int, int], set[str]] = {}
     for name in lexicon.book.cues.keys() & lexicon.skills.keys():
         for cue in lexicon.book.cues[name]:
@@ -101,9 +102,10 @@ def _form(form: str, lexicon: Lexicon) -> str:
     """The pattern of a form of a cue; `*` at its end stands for any ending."""
     if form.startswith("{"):
         return re.escape(form)
-    words = re.escape(" ".join(lexicon.phrase(form.removesuffix("*"))))
+    parts = lexicon.phrase(form.removesuffix("*"))
     if not lexicon.book.hearing.spaced:
-        return words.replace(r"\ ", r"\ ?")
+        return re.escape("".join(parts))
+    words = re.escape(" ".join(parts))
     return rf"(?<= ){words}\w*(?= )" if form.endswith("*") else rf"(?<= ){words}(?= )"
 
 
@@ -111,7 +113,8 @@ def _is_known(
     found: Iterable[str], tokens: Words, names: Sequence[Name], lexicon: Lexicon
 ) -> bool:
     """True if hardly a word beside what was found and the names is unknown."""
-    used = {word for one in found for word in one.split()}
+    spaced = lexicon.book.hearing.spaced
+    used = {word for one in found for word in one.split()} if spaced else "".join(found)
     inside = {at for one in names for at in range(one.start, one.end)}
     strange = [
         one
