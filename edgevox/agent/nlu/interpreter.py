@@ -113,6 +113,9 @@ class Interpreter:
         """The meaning of an utterance; None if `turn` has answered it in words."""
         plain = self.plain(text)
         said, text = text, fluent(text, self._code)
+        asked = self._cued(text)
+        if asked and isinstance(plain, Meaning) and _takes_any_words(plain):
+            return self._taken(asked, turn)
         if isinstance(plain, Meaning) and not _goes_back_from_there(plain):
             return self._taken(plain, turn)
         program, sure = self._programs.understand(said, self._plain_calls, self._free_calls)
@@ -128,8 +131,8 @@ class Interpreter:
         if near and near.sure:
             return self._taken(near, turn)
         meaning = self._without_acts(self._read(text), text, turn)
-        if meaning and _tells_only(meaning):
-            meaning = self._cued(text) or meaning
+        if meaning and not (meaning.sure and _acts(meaning)):
+            meaning = asked or meaning
         if meaning and (meaning.sure or not near) and not (program and _drives(meaning)):
             return self._taken(meaning, turn)
         if meaning and isinstance(program, Unclear):  # not for now, so not done
@@ -137,6 +140,8 @@ class Interpreter:
             return None
         if meaning := self._said_instead(text, turn) or near:
             return self._taken(meaning, turn)
+        if asked:
+            return self._taken(asked, turn)
         refused = program if isinstance(program, RefusedCommand) else plain
         if refused:
             turn.say(refused.reason, Outcome.REFUSED, detail=refused.detail)
@@ -149,7 +154,7 @@ class Interpreter:
         `said` are the same words with their false starts.
         """
         whether = asks_whether(text, self._code)
-        if asked := self._asked(text, whether=whether):
+        if not whether and (asked := self._asked(text)):
             return self._taken(asked, turn)
         if cannot := self._cannot(text):
             turn.say(cannot, Outcome.REFUSED)
@@ -225,10 +230,8 @@ class Interpreter:
             return replace(meaning, confidence=min(meaning.confidence, ASK_FROM))
         return meaning
 
-    def _asked(self, text: str, *, whether: bool) -> Meaning | None:
+    def _asked(self, text: str) -> Meaning | None:
         """The question to the robot that the words most likely ask, though no template fits."""
-        if (found := self._cued(text)) or whether:
-            return found
         for agent in self._active_first():
             judged = self._questions[agent.name].of(text)
             if call := question_of(judged, text, self._code):
@@ -236,6 +239,7 @@ class Interpreter:
         return None
 
     def _cued(self, text: str) -> Meaning | None:
+        """The question to the robot whose own words are said."""
         for agent in self._active_first():
             if call := cued(text, self._questions[agent.name].lexicon):
                 return Meaning(agent, (call,), "reading", ASK_FROM)
@@ -445,9 +449,14 @@ def _drives(meaning: Meaning) -> bool:
     return any(meaning.agent.every_skill[call.skill].drives for call in meaning.calls)
 
 
-def _tells_only(meaning: Meaning) -> bool:
+def _acts(meaning: Meaning) -> bool:
     skills = [meaning.agent.every_skill[call.skill] for call in meaning.calls]
-    return not any(one.moves or one.lasting for one in skills)
+    return any(one.moves or one.lasting for one in skills)
+
+
+def _takes_any_words(meaning: Meaning) -> bool:
+    skills = [meaning.agent.every_skill[call.skill] for call in meaning.calls]
+    return not _acts(meaning) and any(one.new_names for one in skills)
 
 
 def _goes_back_from_there(meaning: Meaning) -> bool:

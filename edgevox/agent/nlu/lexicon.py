@@ -108,7 +108,7 @@ _MARKS = r"[,;.!?:\u2026\u3001\u3002\u060c\u061b\u061f\u0964]+"
 _ORDINAL = r"\d+(?:st|nd|rd|th)\b"
 WORD = r"(?:[^\W\d_]|[\u0900-\u0963])+'?"
 """Pattern of a word; `re` takes the vowels and joiners of Devanagari for no letters."""
-_TOKEN = re.compile(rf"{_ORDINAL}|(?<![\d.]){NUMBER}|{WORD}|{_MARKS}|%|\u00b0")
+TOKEN = re.compile(rf"{_ORDINAL}|(?<![\d.]){NUMBER}|{WORD}|{_MARKS}|%|\u00b0")
 _IS_NUMBER = re.compile(NUMBER)
 _IS_MARK = re.compile(_MARKS)
 _JOINING = frozenset({0, 8, 9})
@@ -146,7 +146,7 @@ class Tokenizer:
         self._longest = max(map(len, self._known), default=1)
 
     def __call__(self, text: str) -> Words:
-        tokens = _TOKEN.findall(plain(text))
+        tokens = TOKEN.findall(plain(text))
         if self._spaced:
             return tuple(tokens)
         return tuple(part for token in tokens for part in self._parts(token))

@@ -6,11 +6,11 @@ A model knows nothing of the robot and its world. A question about them that no 
 
 import re
 from collections.abc import Iterable, Iterator, Sequence
-from functools import cached_property
+from functools import cache, cached_property
 
 from edgevox.agent.nlu.clauses import Name, find_names
 from edgevox.agent.nlu.decider import QUESTION_MARKS, Judged
-from edgevox.agent.nlu.lexicon import Lexicon, Words, is_mark, plain, words_of
+from edgevox.agent.nlu.lexicon import TOKEN, Lexicon, Words, is_mark, plain, words_of
 from edgevox.agent.phrases.numbers import digits
 from edgevox.agent.phrases.phrasebook import Phrasebook
 from edgevox.agent.skills import Call, Skill
@@ -25,6 +25,8 @@ _LEAST_LEAD = 2.0, 1.0
 """Least lead in weight over another question, for either."""
 _MOST_STRANGE = 0.17, 0.25
 """Largest share of unknown words in either: "how fast is light" is no question to the robot."""
+_MOST_STRANGE_SIGNS = 0.5
+"""The same where words are not written apart: each sign of an unknown word counts."""
 
 
 def question_of(judged: Judged | None, text: str, code: str) -> Call | None:
@@ -50,20 +52,31 @@ def cued(text: str, lexicon: Lexicon) -> Call | None:
     """
     if not _inquires(text, lexicon.book.code):
         return None
-    tokens = lexicon.spelled(lexicon.tokenize(digits(" ".join(text.split()), lexicon.book.code)))
-    names = find_names(lexicon, tokens)
-    space = " " if lexicon.book.hearing.spaced else ""
-    said = f"{space}{space.join(_with_slots(tokens, names))}{space}"
-    asked: dict[tuple[int, int], set[str]] = {}
-    for name in lexicon.book.cues.keys() & lexicon.skills.keys():
-        for cue in lexicon.book.cues[name]:
-            if (found := _match(lexicon.book.written_out(cue), said, lexicon)) is None:
+    written = lexicon.tokenize(digits(" ".join(text.split()), lexicon.book.code))
+    for tokens in dict.fromkeys((written, lexicon.spelled(written))):
+        if call := _cued(tokens, lexicon):
+            return call
+    return None
+
+
+def _cued(tokens: Words, lexicon: Lexicon) -> Call | None:
+    book, names = lexicon.book, find_names(lexicon, tokens)
+    said = _joined(tokens, book.code), _joined(_with_slots(tokens, names), book.code)
+    asked: dict[tuple[int, int], list[tuple[str, int]]] = {}
+    for name in book.cues.keys() & lexicon.skills.keys():
+        for cue in book.cues[name]:
+            slots = len(_SLOT.findall(cue))
+            hits = [one.search(said[slots > 0]) for one in _groups(book.written_out(cue), book.code)]
+            found = [one[0].strip() for one in hits if one]
+            if len(found) < len(hits) or (slots and slots != len(names)):
                 continue
-            if len(_SLOT.findall(cue)) == len(names) and _is_known(found, tokens, names, lexicon):
-                size = len(found), sum(map(len, found))
-                asked.setdefault(size, set()).add(name)
-    best = asked[max(asked)] if asked else set()
-    return _call(*best, names, lexicon) if len(best) == 1 else None
+            if _is_known(tokens, name, names, lexicon, slotted=slots > 0):
+                asked.setdefault((len(found), sum(map(len, found))), []).append((name, slots))
+    best = {*asked[max(asked)]} if asked else set()
+    if len(best) != 1:
+        return None
+    ((name, slots),) = best
+    return _call(name, names if slots else (), lexicon)
 
 
 def _inquires(text: str, code: str) -> bool:
@@ -72,6 +85,11 @@ def _inquires(text: str, code: str) -> bool:
     if any(said.startswith(f"{plain(one)} ") for one in words.wishes):
         return False
     return any(mark in text for mark in QUESTION_MARKS) or _holds(text, words.questions, code)
+
+
+def _joined(tokens: Iterable[str], code: str) -> str:
+    space = " " if LANGUAGES[code].spaced else ""
+    return f"{space}{space.join(tokens)}{space}"
 
 
 def _with_slots(tokens: Words, names: Sequence[Name]) -> Iterator[str]:
@@ -85,43 +103,51 @@ def _with_slots(tokens: Words, names: Sequence[Name]) -> Iterator[str]:
             yield token
 
 
-def _match(cue: str, said: str, lexicon: Lexicon) -> list[str] | None:
-    """What is said for each group of words of a cue; None if a group is not said."""
-    found = []
-    for several, single in _GROUP.findall(cue):
-        forms = (several or single).split("|")
-        pattern = "|".join(_form(one, lexicon) for one in sorted(forms, key=len, reverse=True))
-        hit = re.search(pattern, said)
-        if hit is None:
-            return None
-        found.append(hit[0].strip())
-    return found
+@cache
+def _groups(cue: str, code: str) -> tuple[re.Pattern[str], ...]:
+    """The pattern of each group of words of a cue; `*` stands for any ending of a word."""
+    groups = [(several or single).split("|") for several, single in _GROUP.findall(cue)]
+    return tuple(re.compile("|".join(_form(one, code) for one in forms)) for forms in groups)
 
 
-def _form(form: str, lexicon: Lexicon) -> str:
-    """The pattern of a form of a cue; `*` at its end stands for any ending."""
+def _form(form: str, code: str) -> str:
     if form.startswith("{"):
         return re.escape(form)
-    parts = lexicon.phrase(form.removesuffix("*"))
-    if not lexicon.book.hearing.spaced:
-        return re.escape("".join(parts))
-    words = re.escape(" ".join(parts))
+    tokens = TOKEN.findall(plain(digits(form.removesuffix("*"), code)))
+    words = re.escape(_joined(tokens, code).strip())
+    if not LANGUAGES[code].spaced:
+        return words
     return rf"(?<= ){words}\w*(?= )" if form.endswith("*") else rf"(?<= ){words}(?= )"
 
 
 def _is_known(
-    found: Iterable[str], tokens: Words, names: Sequence[Name], lexicon: Lexicon
+    tokens: Words, name: str, names: Sequence[Name], lexicon: Lexicon, *, slotted: bool
 ) -> bool:
-    """True if hardly a word beside what was found and the names is unknown."""
-    spaced = lexicon.book.hearing.spaced
-    used = {word for one in found for word in one.split()} if spaced else "".join(found)
+    """True if hardly a word is unknown beside the names and the words of this question's cues.
+
+    Where the cue has no slot, the names must be words of the cues as well.
+    """
+    book = lexicon.book
+    groups = {one for cue in book.cues[name] for one in _groups(book.written_out(cue), book.code)}
     inside = {at for one in names for at in range(one.start, one.end)}
+    said = _joined(tokens, book.code)
+    used = {word for group in groups for one in group.finditer(said) for word in one[0].split()}
+    called = () if slotted else names
+    if any(not _is_used(tokens[one.start : one.end], used, book.code) for one in called):
+        return False
     strange = [
         one
         for at, one in enumerate(tokens)
-        if at not in inside and one not in used and not is_mark(one) and not lexicon.knows(one)
+        if at not in inside and not (is_mark(one) or lexicon.knows(one) or one in used)
     ]
-    return len(strange) <= _MOST_STRANGE[bool(names)] * len(tokens)
+    most = _MOST_STRANGE[bool(names)] if book.hearing.spaced else _MOST_STRANGE_SIGNS
+    return len(strange) <= most * len(tokens)
+
+
+def _is_used(name: Words, used: Iterable[str], code: str) -> bool:
+    if LANGUAGES[code].spaced:
+        return set(name) <= set(used)
+    return any("".join(name) in one for one in used)
 
 
 def _call(name: str, names: Sequence[Name], lexicon: Lexicon) -> Call | None:
