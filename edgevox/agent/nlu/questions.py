@@ -66,7 +66,9 @@ def _cued(tokens: Words, lexicon: Lexicon) -> Call | None:
     for name in book.cues.keys() & lexicon.skills.keys():
         for cue in book.cues[name]:
             slots = len(_SLOT.findall(cue))
-            hits = [one.search(said[slots > 0]) for one in _groups(book.written_out(cue), book.code)]
+            hits = [
+                one.search(said[slots > 0]) for one in _groups(book.written_out(cue), book.code)
+            ]
             found = [one[0].strip() for one in hits if one]
             if len(found) < len(hits) or (slots and slots != len(names)):
                 continue
@@ -140,7 +142,7 @@ def _is_known(
         for at, one in enumerate(tokens)
         if at not in inside and not (is_mark(one) or lexicon.knows(one) or one in used)
     ]
-    most = _MOST_STRANGE[bool(names)] if book.hearing.spaced else _MOST_STRANGE_SIGNS
+    most = _MOST_STRANGE[0] if book.hearing.spaced else _MOST_STRANGE_SIGNS
     return len(strange) <= most * len(tokens)
 
 
