@@ -60,25 +60,28 @@ def cued(text: str, lexicon: Lexicon) -> Call | None:
 
 
 def _cued(tokens: Words, lexicon: Lexicon) -> Call | None:
-    book, names = lexicon.book, find_names(lexicon, tokens)
-    said = _joined(tokens, book.code), _joined(_with_slots(tokens, names), book.code)
-    asked: dict[tuple[int, int], list[tuple[str, int]]] = {}
-    for name in book.cues.keys() & lexicon.skills.keys():
-        for cue in book.cues[name]:
-            slots = len(_SLOT.findall(cue))
-            hits = [
-                one.search(said[slots > 0]) for one in _groups(book.written_out(cue), book.code)
-            ]
-            found = [one[0].strip() for one in hits if one]
-            if len(found) < len(hits) or (slots and slots != len(names)):
+    names, asked = find_names(lexicon, tokens), dict[tuple[int, int], list[Call]]()
+    for one in lexicon.skills.values():
+        cues = _cues(one, lexicon.book)
+        used = _used(tokens, cues, lexicon.book.code)
+        uncovered = [name for name in names if not _covers(used, tokens[name.start : name.end])]
+        for groups, slots in cues:
+            called = names if slots == len(names) else uncovered
+            said = _joined(_with_slots(tokens, called if slots else ()), lexicon.book.code)
+            found = [hit[0].strip() for group in groups if (hit := group.search(said))]
+            call = _call(one, called if slots else ())
+            if len(found) < len(groups) or len(called) != slots or call is None:
                 continue
-            if _is_known(tokens, name, names, lexicon, slotted=slots > 0):
-                asked.setdefault((len(found), sum(map(len, found))), []).append((name, slots))
-    best = {*asked[max(asked)]} if asked else set()
-    if len(best) != 1:
-        return None
-    ((name, slots),) = best
-    return _call(name, names if slots else (), lexicon)
+            if _is_known(tokens, used, called, lexicon):
+                asked.setdefault((len(found), sum(map(len, found))), []).append(call)
+    first, *others = asked[max(asked)] if asked else [None]
+    return first if all(one == first for one in others) else None
+
+
+def _cues(one: Skill, book: Phrasebook) -> list[tuple[tuple[re.Pattern[str], ...], int]]:
+    """The cues of a question, each with the number of its slots."""
+    cues = book.cues.get(one.entry) or book.cues.get(one.name, ())
+    return [(_groups(book.written_out(cue), book.code), len(_SLOT.findall(cue))) for cue in cues]
 
 
 def _inquires(text: str, code: str) -> bool:
@@ -119,50 +122,48 @@ def _form(form: str, code: str) -> str:
     words = re.escape(_joined(tokens, code).strip())
     if not LANGUAGES[code].spaced:
         return words
-    return rf"(?<= ){words}\w*(?= )" if form.endswith("*") else rf"(?<= ){words}(?= )"
+    ending = r"\w*" if form.endswith("*") else ""
+    return rf"(?<= ){words}{ending}(?=[ '])"
 
 
-def _is_known(
-    tokens: Words, name: str, names: Sequence[Name], lexicon: Lexicon, *, slotted: bool
-) -> bool:
-    """True if hardly a word is unknown beside the names and the words of this question's cues.
+def _used(
+    tokens: Words, cues: Iterable[tuple[Iterable[re.Pattern[str]], int]], code: str
+) -> frozenset[str]:
+    """The words of the sentence that some cue of a question has."""
+    said = _joined(tokens, code)
+    groups = {group for several, _ in cues for group in several}
+    found = (hit[0] for group in groups for hit in group.finditer(said))
+    return frozenset(word for one in found for word in one.split())
 
-    Where the cue has no slot, the names must be words of the cues as well.
-    """
-    book = lexicon.book
-    groups = {one for cue in book.cues[name] for one in _groups(book.written_out(cue), book.code)}
+
+def _covers(used: frozenset[str], name: Words) -> bool:
+    """True if a name is made of these words: "left" is a bin, and a word of "how many are left"."""
+    return used.issuperset(name) or any("".join(name) in one for one in used)
+
+
+def _is_known(tokens: Words, used: frozenset[str], names: Sequence[Name], lexicon: Lexicon) -> bool:
+    """True if hardly a word is unknown beside the names and the words of this question's cues."""
     inside = {at for one in names for at in range(one.start, one.end)}
-    said = _joined(tokens, book.code)
-    used = {word for group in groups for one in group.finditer(said) for word in one[0].split()}
-    called = () if slotted else names
-    if any(not _is_used(tokens[one.start : one.end], used, book.code) for one in called):
-        return False
     strange = [
         one
         for at, one in enumerate(tokens)
         if at not in inside and not (is_mark(one) or lexicon.knows(one) or one in used)
     ]
-    most = _MOST_STRANGE[0] if book.hearing.spaced else _MOST_STRANGE_SIGNS
+    most = _MOST_STRANGE[0] if lexicon.book.hearing.spaced else _MOST_STRANGE_SIGNS
     return len(strange) <= most * len(tokens)
 
 
-def _is_used(name: Words, used: Iterable[str], code: str) -> bool:
-    if LANGUAGES[code].spaced:
-        return set(name) <= set(used)
-    return any("".join(name) in one for one in used)
-
-
-def _call(name: str, names: Sequence[Name], lexicon: Lexicon) -> Call | None:
+def _call(one: Skill, names: Sequence[Name]) -> Call | None:
     """The call of this skill with these names; None if one is missing."""
     said = {
         argument: word
-        for one in names
-        for (skill, argument), word in one.values.items()
-        if skill == name
+        for name in names
+        for (skill, argument), word in name.values.items()
+        if skill == one.name
     }
-    fields = lexicon.skills[name].arguments_model.model_fields
-    lacks = any(info.is_required() and one not in said for one, info in fields.items())
-    return None if lacks else Call(name, said)
+    fields = one.arguments_model.model_fields
+    lacks = any(info.is_required() and name not in said for name, info in fields.items())
+    return None if lacks else Call(one.name, said)
 
 
 _GROUP = re.compile(r"\(([^()]*)\)|([^\s()]+)")
