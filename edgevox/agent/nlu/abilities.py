@@ -1,7 +1,7 @@
 """The abilities of a robot in words, from its skills and without a model, and what it cannot do."""
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from functools import cache
 
 from edgevox.agent.nlu.hearing.wordings import wordings
@@ -66,12 +66,13 @@ _ANY, _GAP = "*", "qzq"
 
 
 def cannot_do(
-    text: str, book: Phrasebook, skills: Sequence[Skill], *, ordered: bool = False
+    text: str, book: Phrasebook, skills: Sequence[Skill], ordered: Callable[[], bool]
 ) -> tuple[str, bool]:
     """The sentences that name what a text asks for and these skills cannot do; empty for none.
 
     "Go to the kitchen and bring me the mug" asks to carry something. In each clause the longest
-    wording counts, where it begins; in an `ordered` text also behind other words, unless they deny.
+    wording counts, where it begins; in a text that is `ordered` also behind other words, unless
+    they deny.
     The second value is False for a text of one clause whose act is done where a thing is, so that
     a place in it is no place to go to: "pause the music in the kitchen".
     """
@@ -82,8 +83,8 @@ def cannot_do(
     clauses = _clauses(text, book)
     for clause in clauses:
         asked = [*_acts_in(clause, book.code)]
-        if not asked and ordered:
-            asked = _acts_behind(clause, book)
+        if not asked and (behind := _acts_behind(clause, book)) and ordered():
+            asked = behind
         wording, name = max(asked, key=lambda one: len(one[0]), default=("", ""))
         if wording and names.isdisjoint(english[name].by) and not _words(wording) <= own:
             found[acts[name].cannot] = len(clauses) > 1 or not english[name].in_place

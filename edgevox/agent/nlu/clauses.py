@@ -3,16 +3,15 @@
 `find_names` and `find_numbers` find the values for arguments: names that skills know, and numbers.
 """
 
-import difflib
 import itertools
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
 from edgevox.agent.nlu.lexicon import Lexicon, SkillWords, Words, is_mark, is_number, plain
-from edgevox.agent.nlu.templates import usual_places
 from edgevox.agent.skills import STOP, Call
 from edgevox.agent.skills.arguments import check_arguments
+from edgevox.agent.text.alike import most_alike
 from edgevox.agent.text.spelling import ENDING, is_same_name
 from edgevox.core.errors import InvalidValue
 
@@ -71,8 +70,8 @@ def find_names(lexicon: Lexicon, tokens: Words) -> list[Name]:
     chosen = _longest([Name(start, end, values) for (start, end), values in found.items()])
     near: dict[tuple[int, int], dict[tuple[str, str], str]] = {}
     guessed: set[tuple[int, int]] = set()
-    for place, names in lexicon.names.items():
-        for start, end, word, alike in _nearly(names, tokens, lexicon):
+    for place, joined in lexicon.joined.items():
+        for start, end, word, alike in _nearly(joined, tokens, lexicon):
             taken = (*wider, *((one.start, one.end) for one in chosen))
             if not any(at < end and start < to for at, to in taken):
                 near.setdefault((start, end), {})[place] = word
@@ -86,14 +85,13 @@ def find_names(lexicon: Lexicon, tokens: Words) -> list[Name]:
 
 def _usual_spans(lexicon: Lexicon, tokens: Words) -> list[tuple[int, int]]:
     """Where names of usual places of several words are said."""
-    names = {lexicon.tokenize(one): one for one in usual_places(lexicon.book.code).values()}
-    several = {name: one for name, one in names.items() if len(name) > 1}
+    several = {name: one for name, one in lexicon.usual_places.items() if len(name) > 1}
     return [(start, end) for start, end, _ in _exactly(several, tokens)]
 
 
 def find_place(tokens: Words, lexicon: Lexicon) -> str:
     """The first usual place in a sentence that is no name that skills know; empty for none."""
-    places = {lexicon.tokenize(one): one for one in usual_places(lexicon.book.code).values()}
+    places = lexicon.usual_places
     named = {at for one in find_names(lexicon, tokens) for at in range(one.start, one.end)}
     inflected = lexicon.book.fallback is not None and lexicon.book.hearing.spaced
     for start in range(len(tokens)):
@@ -151,17 +149,15 @@ def _exactly(names: Mapping[Words, str], tokens: Words) -> Iterator[tuple[int, i
 
 
 def _nearly(
-    names: Mapping[Words, str], tokens: Words, lexicon: Lexicon
+    joined: Mapping[str, str], tokens: Words, lexicon: Lexicon
 ) -> Iterator[tuple[int, int, str, bool]]:
     """Names in another spelling: one word for two, two for one, or a typing error.
 
-    Each comes with its borders, its value, and whether its letters are the same.
+    Each comes with its borders, its value, and whether its letters are the same. `joined` are the
+    names in one word; what is most like one without a value is none.
     """
     if not lexicon.book.hearing.spaced:
         return
-    joined = {"".join(name): word for name, word in names.items()}
-    places = {"".join(lexicon.tokenize(one)) for one in usual_places(lexicon.book.code)}
-    known = (*joined, *(places - joined.keys()))
     inflected = lexicon.book.fallback is not None
     for start in range(len(tokens)):
         for size in (2, 1, 3):
@@ -171,8 +167,8 @@ def _nearly(
             said = "".join(parts)
             if len(said) < _SHORTEST or (size == 1 and lexicon.knows(said)):
                 continue
-            for near in difflib.get_close_matches(said, known, n=1, cutoff=_NEARLY):
-                if near in joined and len(near) >= _SHORTEST and _begins_alike(said, near):
+            for near in most_alike(said, joined, least=_NEARLY):
+                if joined[near] and len(near) >= _SHORTEST and _begins_alike(said, near):
                     alike = is_same_name(said, near, inflected=inflected)
                     yield start, start + size, joined[near], alike
 

@@ -312,6 +312,12 @@ class Readings:
                 )
         return None
 
+    @property
+    def lexicon(self) -> Lexicon:
+        """The words of the spoken language, with the present names."""
+        self._renew()
+        return self._readers[0][0]
+
     def knows(self, text: str) -> bool:
         """True if each word of a text, small ones aside, is used for a motion of these skills."""
         self._renew()

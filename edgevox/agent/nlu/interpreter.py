@@ -21,12 +21,13 @@ from edgevox.agent.nlu.hearing.near import NearCommands
 from edgevox.agent.nlu.hearing.sounds import Phonemes
 from edgevox.agent.nlu.lexicon import words_of
 from edgevox.agent.nlu.meaning import ASK_FROM, HEARD_FROM, Meaning, Program
-from edgevox.agent.nlu.order_reader import NO_CONDITIONS, ProgramReader, Unclear
+from edgevox.agent.nlu.order_reader import NO_CONDITIONS, ProgramReader, Read, Unclear
 from edgevox.agent.nlu.questions import (
     CheckedAnswer,
     WorldWords,
     asks,
     asks_whether,
+    cued,
     is_about_hearer,
     question_of,
 )
@@ -113,11 +114,12 @@ class Interpreter:
         """The meaning of an utterance; None if `turn` has answered it in words."""
         plain = self.plain(text)
         said, text = text, fluent(text, self._code)
+        asked = self._cued(text)
+        if asked and isinstance(plain, Meaning) and _takes_any_words(plain):
+            return self._taken(asked, turn)
         if isinstance(plain, Meaning) and not _goes_back_from_there(plain):
             return self._taken(plain, turn)
-        program, sure = self._programs.understand(said, self._plain_calls, self._free_calls)
-        if text != said and not isinstance(program, Program):  # as said: it may hold words to say
-            program, sure = self._programs.understand(text, self._plain_calls, self._free_calls)
+        program, sure = self._program(said, text)
         if isinstance(program, Program):
             how = ("template", 1.0) if sure else ("reading", ASK_FROM)
             return Meaning(self.active, (), *how, program=program)
@@ -125,13 +127,11 @@ class Interpreter:
             self._say_unclear(turn)
             return None
         near = None if program else self._sounds_like(text, turn)
-        if near and self._cannot(text)[0]:
-            near = None
         if near and near.sure:
             return self._taken(near, turn)
-        meaning = self._without_acts(self._read(text), text, turn)
-        if meaning and self._only_guesses(meaning) and (plain or self._unknown_place(text)):
-            meaning = None
+        meaning = self._judged(text, turn, refused=plain is not None)
+        if meaning and not (meaning.sure and _acts(meaning)):
+            meaning = asked or meaning
         if meaning and (meaning.sure or not near) and not (program and _drives(meaning)):
             return self._taken(meaning, turn)
         if meaning and isinstance(program, Unclear):  # not for now, so not done
@@ -139,11 +139,27 @@ class Interpreter:
             return None
         if meaning := self._said_instead(text, turn) or near:
             return self._taken(meaning, turn)
+        if asked:
+            return self._taken(asked, turn)
         refused = program if isinstance(program, RefusedCommand) else plain
         if refused:
             turn.say(refused.reason, Outcome.REFUSED, detail=refused.detail)
             return None
         return self._answer(text, said, turn)
+
+    def _program(self, said: str, text: str) -> tuple[Read, bool]:
+        """The program in what was said, or in its text without false starts."""
+        found = self._programs.understand(said, self._plain_calls, self._free_calls)
+        if text != said and not isinstance(found[0], Program):  # as said: it may hold words to say
+            found = self._programs.understand(text, self._plain_calls, self._free_calls)
+        return found
+
+    def _judged(self, text: str, turn: Turn, *, refused: bool) -> Meaning | None:
+        """The judged reading; none that only guesses where something better can be said."""
+        meaning = self._without_acts(self._read(text), text, turn)
+        if meaning and self._only_guesses(meaning) and (refused or self._unknown_place(text)):
+            return None
+        return meaning
 
     def _answer(self, text: str, said: str, turn: Turn) -> Meaning | None:
         """Answer words that are no order: by what the robot knows, else by the model.
@@ -224,7 +240,7 @@ class Interpreter:
         if asks(text, self._code):
             return "", False
         skills = self._every_skill()
-        return cannot_do(text, self.phrases, skills, ordered=self._ordered(text))
+        return cannot_do(text, self.phrases, skills, lambda: self._ordered(text))
 
     def _without_acts(self, meaning: Meaning | None, text: str, turn: Turn) -> Meaning | None:
         """The reading, asked about if the words ask for something besides that no skill can do.
@@ -250,8 +266,9 @@ class Interpreter:
 
     def _unknown_place(self, text: str) -> RefusedCommand | None:
         """The refusal of an order to go to a usual place that the robot does not know."""
-        for agent in self._active_first() if self._ordered(text) else ():
-            if found := self._readings[agent.name].unknown_place(text):
+        for agent in self._active_first():
+            found = self._readings[agent.name].unknown_place(text)
+            if found and self._ordered(text):
                 one, argument, said = found
                 return refused(
                     self.phrases, "unknown_word", argument, one.choices[argument].words, said
@@ -267,6 +284,13 @@ class Interpreter:
         for agent in self._active_first():
             judged = self._questions[agent.name].of(text)
             if call := question_of(judged, text, self._code):
+                return Meaning(agent, (call,), "reading", ASK_FROM)
+        return None
+
+    def _cued(self, text: str) -> Meaning | None:
+        """The question to the robot whose own words are said."""
+        for agent in self._active_first():
+            if call := cued(text, self._questions[agent.name].lexicon):
                 return Meaning(agent, (call,), "reading", ASK_FROM)
         return None
 
@@ -299,10 +323,10 @@ class Interpreter:
     def _sounds_like(self, text: str, turn: Turn) -> Meaning | None:
         """The command that meaningless spoken words sound like.
 
-        None for typed words, and for words that deny, tell or put off something, where the command
-        does not.
+        None for typed words, for an act that no skill does, and for words that deny, tell or put
+        off something, where the command does not.
         """
-        if not turn.way.spoken:
+        if not turn.way.spoken or self._cannot(text)[0]:
             return None
         several = as_hypotheses(text, turn.hearing, turn.others)
         for agent in self._active_first():
@@ -498,6 +522,16 @@ class Interpreter:
 
 def _drives(meaning: Meaning) -> bool:
     return any(meaning.agent.every_skill[call.skill].drives for call in meaning.calls)
+
+
+def _acts(meaning: Meaning) -> bool:
+    skills = [meaning.agent.every_skill[call.skill] for call in meaning.calls]
+    return any(one.moves or one.lasting for one in skills)
+
+
+def _takes_any_words(meaning: Meaning) -> bool:
+    skills = [meaning.agent.every_skill[call.skill] for call in meaning.calls]
+    return not _acts(meaning) and any(one.new_names for one in skills)
 
 
 def _goes_back_from_there(meaning: Meaning) -> bool:

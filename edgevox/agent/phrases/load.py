@@ -80,6 +80,7 @@ def _book(code: str, data: Mapping[str, Any], fallback: Phrasebook | None) -> Ph
             )
             for name, one in data.get("acts", {}).items()
         },
+        cues={name: tuple(some) for name, some in data.get("cues", {}).items()},
         links=tuple(data.get("links", fallback.links if fallback else ())),
         smoothing=_rewritings(data.get("smoothing", ())),
         answers=_answers(data.get("answers", {})),

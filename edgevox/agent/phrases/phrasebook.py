@@ -190,6 +190,7 @@ class Phrasebook:
     small_talk: tuple[SmallTalk, ...] = ()
     declined: tuple[SmallTalk, ...] = ()
     acts: Mapping[str, HouseAct] = field(default_factory=dict)
+    cues: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     links: tuple[str, ...] = ()
     answers: AnswerWords = field(default_factory=AnswerWords)
     smoothing: tuple[Rewriting, ...] = ()

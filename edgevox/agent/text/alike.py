@@ -31,7 +31,7 @@ def most_alike(
     several = tuple(texts)
     if not several:
         return []
-    bounds = _bounds(said, several)
+    bounds = _bounds(said, several, least)
     matcher = SequenceMatcher()
     matcher.set_seq2(said)
     found: list[tuple[float, int]] = []
@@ -44,16 +44,21 @@ def most_alike(
     return [several[at] for _, at in found]
 
 
-def _bounds(said: str, texts: tuple[str, ...]) -> NDArray[np.float64]:
-    """What the ratio of each text is at most: as if all letters in common were in order."""
-    counts, lengths = _letters(texts)
-    common = np.minimum(counts, _letters((said,))[0]).sum(axis=1, dtype=np.int64)
-    both = lengths + len(said)
-    most: NDArray[np.float64] = 2.0 * common / np.maximum(both, 1)
-    return np.where(both > 0, most, 1.0)
+def _bounds(said: str, texts: tuple[str, ...], least: float) -> NDArray[np.float64]:
+    """What the ratio of each text is at most: as if all letters in common were in order.
+
+    Of texts that are too long or too short, only their length counts.
+    """
+    counts, lengths = _kept_letters(texts)
+    both = np.maximum(lengths + len(said), 1)
+    found: NDArray[np.float64] = np.minimum(lengths, len(said)) * 2.0 / both
+    found[lengths + len(said) == 0] = 1.0
+    rows = np.flatnonzero((found >= least) & (lengths > 0))
+    common = np.minimum(counts[rows], _letters((said,))[0]).sum(axis=1, dtype=np.int64)
+    found[rows] = 2.0 * common / both[rows]
+    return found
 
 
-@lru_cache(maxsize=64)
 def _letters(texts: Sequence[str]) -> tuple[NDArray[np.uint16], NDArray[np.int64]]:
     """How often each text has each kind of letter (texts, kinds), and its length (texts)."""
     lengths = np.array([len(text) for text in texts])
@@ -61,3 +66,6 @@ def _letters(texts: Sequence[str]) -> tuple[NDArray[np.uint16], NDArray[np.int64
     rows = np.repeat(np.arange(len(texts)), lengths)
     counts = np.bincount(rows * _KINDS + codes, minlength=len(texts) * _KINDS)
     return counts.reshape(len(texts), _KINDS).astype(np.uint16), lengths
+
+
+_kept_letters = lru_cache(maxsize=64)(_letters)
