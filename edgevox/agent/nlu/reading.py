@@ -158,10 +158,7 @@ class CallReader:
     def _take_back(self, tokens: Words, names: Sequence[Name]) -> tuple[list[Name], bool]:
         """The names that were not taken back ("the office, no, the bedroom"), and a denial."""
         denied = self._negations.places(tokens) - self._courtesies.places(tokens)
-        long = (
-            range(at, at + len(one)) for at, one in self._negations.find(tokens) if len(one) > 1
-        )
-        correcting = self._corrections.places(tokens).difference(*long)  # "instead" of "instead of"
+        correcting = self._correcting(tokens)
         kept = list(names)
         allowed: set[int] = set()
         for first, second in itertools.pairwise(names):
@@ -177,6 +174,12 @@ class CallReader:
                 kept.remove(first)
                 allowed |= set(range(max(0, first.start - 3), second.start))
         return kept, bool(denied - allowed)
+
+    def _correcting(self, tokens: Words) -> frozenset[int]:
+        """Where words correct what is before them; "instead" of "instead of" denies what follows."""
+        found = self._negations.find(tokens)
+        long = (range(at, at + len(one)) for at, one in found if len(one) > 1)
+        return self._corrections.places(tokens).difference(*long)
 
     def _denies_behind(self, tokens: Words, between: range) -> bool:
         """True if a "not" between two names denies the second: "a la cocina, no al despacho"."""
@@ -197,7 +200,7 @@ class CallReader:
 
     def _corrected(self, tokens: Words, numbers: Sequence[Number]) -> list[Number]:
         """The numbers that the next one does not correct: "90 degrees, make that 60"."""
-        correcting = self._corrections.places(tokens)
+        correcting = self._correcting(tokens)
         taken_back = {
             first.start
             for first, second in itertools.pairwise(numbers)
@@ -249,7 +252,8 @@ class CallReader:
         if alone and denied.intersection(opening) and is_mark(tokens[second.start]):
             return first.call.skill != second.call.skill
         between = range(first.start + 1, second.start + 2)
-        corrected = bool(self._corrections.starts(tokens).intersection(between))
+        starts = self._corrections.starts(tokens) & self._correcting(tokens)
+        corrected = bool(starts.intersection(between))
         return corrected and first.call.skill != second.call.skill
 
     def _ordered(

@@ -99,6 +99,20 @@ def test_a_hundred_denials_of_a_drive_begin_nothing_and_ask_nothing(code: str) -
     assert [one for one in said if is_program("apartment", code, one)] == []
 
 
+@pytest.mark.parametrize(
+    "said",
+    [
+        "no more turning to the left, please", "quit walking forward", "turn left instead of right",
+        "stand instead of walking forward", "walk forward rather than turning left",
+        "that is enough turning left", "I decline to turn left",
+    ],
+)  # fmt: skip
+@pytest.mark.parametrize("robot", ["humanoid", "apartment"])
+def test_a_motion_that_is_to_end_or_is_not_wanted_does_not_begin(robot: str, said: str) -> None:
+    judged = read(robot, "en", said)
+    assert judged is None or judged.held_back or not calls(robot, "en", said)
+
+
 def joined(code: str, *parts: str) -> str:
     return (" " if phrasebook(code).hearing.spaced else "").join(parts)
 
