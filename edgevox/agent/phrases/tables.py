@@ -157,6 +157,7 @@ class AnswerWords:
     not_: tuple[str, ...] = ()
     drop: tuple[str, ...] = ()
     polite: tuple[str, ...] = ()
+    urging: tuple[str, ...] = ()
     little: tuple[str, ...] = ()
     instead: tuple[str, ...] = ()
     or_: tuple[str, ...] = ()
