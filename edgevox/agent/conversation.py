@@ -1,7 +1,4 @@
-"""The conversation: commands in, events out, on one thread; stopping never waits for it.
-
-`Conversation` takes commands and owns the thread; `TurnHandler` does the work of one turn.
-"""
+"""The conversation: commands in, events out, on one thread; stopping never waits for it."""
 
 import itertools
 import threading
@@ -25,7 +22,7 @@ from edgevox.agent.nlu.interpreter import Interpreter
 from edgevox.agent.policy import Guard
 from edgevox.agent.programs.keeper import Programs
 from edgevox.agent.programs.store import Timer
-from edgevox.agent.skills import STOP, Call, SkillSet
+from edgevox.agent.skills import STOP, Call
 from edgevox.agent.stop.stopping import STANDING, Stopping
 from edgevox.agent.text.reasons import because
 from edgevox.agent.turn import InputTiming, StateMachine, Turn
@@ -57,100 +54,6 @@ from edgevox.core.settings import Confirm
 from edgevox.core.speech import TextToSpeech
 
 log = get_logger(__name__)
-
-
-class TurnHandler:
-    """Carries out one inbox item as a turn, on the conversation's thread.
-
-    `skills` must hold the skills of all agents. `standing` returns what to say after a stop when
-    nothing was going on.
-    """
-
-    def __init__(
-        self,
-        bus: Bus,
-        interpreter: Interpreter,
-        asking: Asking,
-        *,
-        executor: SkillExecutor,
-        skills: SkillSet,
-        states: StateMachine,
-        standing: Callable[[], str],
-    ) -> None:
-        self._standing = standing
-        self._bus = bus
-        self._interpreter = interpreter
-        self._asking = asking
-        self._executor = executor
-        self._skills = skills
-        self._states = states
-
-    def handle(self, item: inbox.Item, turn: Turn, put_s: float) -> None:
-        """Carry out the item to its end; log an exception and apologise instead of raising it.
-
-        `put_s` is the clock's time when the item was put into the inbox.
-        """
-        try:
-            self._do(item, turn, put_s)
-        except Exception:
-            log.exception("turn_failed")
-            if inbox.can_be_stopped(item):
-                turn.say(self._interpreter.phrases.say("broken"), Outcome.FAILED)
-
-    def _do(self, item: inbox.Item, turn: Turn, put_s: float) -> None:  # noqa: PLR0912 - one a kind
-        match item:
-            case TextInput():
-                self._converse(Transcribed(clean(item.text), turn.number), turn, put_s)
-            case Heard(text=said, confidence=sure):
-                words = Transcribed(clean(said), turn.number, sure)
-                self._converse(words, turn, item.ended_s)
-            case Speak(text=text):
-                turn.say(clean(text))
-            case inbox.TooLong(length=length):
-                if item.asked:
-                    self._bus.publish(Transcribed(item.beginning, turn.number))
-                book = self._interpreter.phrases
-                told = book.say("too_long", length=length, limit=MAX_CHARACTERS)
-                turn.say(told, Outcome.REFUSED)
-            case RunSkill(name=name, arguments=arguments):
-                self._executor.perform([Call(name, arguments)], self._skills, turn, "command")
-            case inbox.Announce(text=text, detail=detail):
-                turn.say(text, detail=detail)
-            case inbox.Stopped(told=told, before=before, after=after):
-                self._go_on(told, after, before, turn)
-            case inbox.CountedDown():
-                self._asking.counted_down(turn)
-            case inbox.Forget():
-                self._interpreter.forget()
-                self._asking.forget()
-            case inbox.SwitchLanguage(code=code):
-                self._interpreter.set_language(code)
-                self._asking.set_language()
-            case inbox.Settle():
-                pass  # ending this turn brings the state back to listening
-            case _:
-                assert_never(item)
-
-    def _go_on(self, told: str, after: str, before: str, turn: Turn) -> None:
-        """Tell of the stop, and take up what the words after the stop word want instead."""
-        self._states.enter(State.THINKING, turn)
-        if told:
-            turn.say(told)
-        self._asking.go_on(after, before, turn)
-        if not turn.text and turn.outcome is not Outcome.ACTED:
-            turn.say(self._standing())
-        turn.settle()
-
-    def _converse(self, words: Transcribed, turn: Turn, said_s: float) -> None:
-        text = words.text
-        self._bus.publish(words)
-        if not text:
-            turn.say(self._interpreter.phrases.say("not_heard"), Outcome.NOT_UNDERSTOOD)
-        else:
-            self._states.enter(State.THINKING, turn)
-            meaning = self._asking.attend(text, turn, said_s)
-            turn.settle()
-            self._interpreter.remember(text, turn, meaning)
 
 
 class Conversation:
@@ -248,15 +151,6 @@ class Conversation:
         self._held: Turn | None = None
         self._speech_output = speech_output
         self._states = StateMachine(bus)
-        self._handler = TurnHandler(
-            bus,
-            interpreter,
-            self._asking,
-            executor=self._executor,
-            skills=self._skills,
-            states=self._states,
-            standing=lambda: self._stopping.in_words(STANDING),
-        )
         self._stopping = Stopping(
             bus,
             self._clock,
@@ -486,9 +380,76 @@ class Conversation:
             if item and turn:
                 with bound(turn=turn.number):
                     try:
-                        self._handler.handle(item, turn, self._inbox.since_s)
+                        self._handle(item, turn, self._inbox.since_s)
                     finally:
                         self._end(turn, measured=inbox.asked_in_words(item))
+
+    def _handle(self, item: inbox.Item, turn: Turn, put_s: float) -> None:
+        """Carry out the item to its end; log an exception and apologise instead of raising it.
+
+        `put_s` is the clock's time when the item was put into the inbox.
+        """
+        try:
+            self._do(item, turn, put_s)
+        except Exception:
+            log.exception("turn_failed")
+            if inbox.can_be_stopped(item):
+                turn.say(self.interpreter.phrases.say("broken"), Outcome.FAILED)
+
+    def _do(self, item: inbox.Item, turn: Turn, put_s: float) -> None:  # noqa: PLR0912 - one a kind
+        match item:
+            case TextInput():
+                self._converse(Transcribed(clean(item.text), turn.number), turn, put_s)
+            case Heard(text=said, confidence=sure):
+                words = Transcribed(clean(said), turn.number, sure)
+                self._converse(words, turn, item.ended_s)
+            case Speak(text=text):
+                turn.say(clean(text))
+            case inbox.TooLong(length=length):
+                if item.asked:
+                    self._bus.publish(Transcribed(item.beginning, turn.number))
+                book = self.interpreter.phrases
+                told = book.say("too_long", length=length, limit=MAX_CHARACTERS)
+                turn.say(told, Outcome.REFUSED)
+            case RunSkill(name=name, arguments=arguments):
+                self._executor.perform([Call(name, arguments)], self._skills, turn, "command")
+            case inbox.Announce(text=text, detail=detail):
+                turn.say(text, detail=detail)
+            case inbox.Stopped(told=told, before=before, after=after):
+                self._go_on(told, after, before, turn)
+            case inbox.CountedDown():
+                self._asking.counted_down(turn)
+            case inbox.Forget():
+                self.interpreter.forget()
+                self._asking.forget()
+            case inbox.SwitchLanguage(code=code):
+                self.interpreter.set_language(code)
+                self._asking.set_language()
+            case inbox.Settle():
+                pass  # ending this turn brings the state back to listening
+            case _:
+                assert_never(item)
+
+    def _go_on(self, told: str, after: str, before: str, turn: Turn) -> None:
+        """Tell of the stop, and take up what the words after the stop word want instead."""
+        self._states.enter(State.THINKING, turn)
+        if told:
+            turn.say(told)
+        self._asking.go_on(after, before, turn)
+        if not turn.text and turn.outcome is not Outcome.ACTED:
+            turn.say(self._stopping.in_words(STANDING))
+        turn.settle()
+
+    def _converse(self, words: Transcribed, turn: Turn, said_s: float) -> None:
+        text = words.text
+        self._bus.publish(words)
+        if not text:
+            turn.say(self.interpreter.phrases.say("not_heard"), Outcome.NOT_UNDERSTOOD)
+        else:
+            self._states.enter(State.THINKING, turn)
+            meaning = self._asking.attend(text, turn, said_s)
+            turn.settle()
+            self.interpreter.remember(text, turn, meaning)
 
     def _new_turn(self, taken: inbox.Item) -> Turn:
         item = inbox.words_of(taken) or taken

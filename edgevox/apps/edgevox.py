@@ -3,6 +3,7 @@
 import argparse
 import sys
 from collections.abc import Callable, Sequence
+from importlib import import_module
 
 from edgevox import __version__
 from edgevox.apps.flags import add_flags, given_flags
@@ -12,20 +13,17 @@ from edgevox.core.settings import Settings, load_settings
 from edgevox.robots.plugin import FOR_BODIES
 from edgevox.ros2 import split_ros_args
 
+COMMANDS = {
+    "completion": "edgevox.apps.completion",
+    "interfaces": "edgevox.apps.interfaces",
+    "listen": "edgevox.apps.listen",
+    "state": "edgevox.apps.state",
+    "voiceprint": "edgevox.apps.voiceprint",
+    "wyoming": "edgevox.apps.wyoming",
+}
+"""The first arguments that ask for another command, and its module, imported only then."""
 DOCTOR = "doctor"
-"""The first argument that asks for the doctor instead."""
-LISTEN = "listen"
-"""The first argument that shows what is heard instead."""
-COMPLETION = "completion"
-"""The first argument that prints the completion for a shell instead."""
-INTERFACES = "interfaces"
-"""The first argument that builds a robot's interfaces instead."""
-STATE = "state"
-"""The first argument that exports or imports what a robot keeps instead."""
-WYOMING = "wyoming"
-"""The first argument that offers hearing and voices to others instead."""
-VOICEPRINT = "voiceprint"
-"""The first argument that enrols and forgets people's voices instead."""
+"""The first argument that asks for the doctor, a program of its own as well."""
 OF_ROBOTS = FOR_BODIES | {
     "frame_prefix",
     "odom_frame",
@@ -41,34 +39,12 @@ OF_ROBOTS = FOR_BODIES | {
 def main(argv: Sequence[str] | None = None) -> int:
     """Run it; the process's exit code."""
     given = list(sys.argv[1:] if argv is None else argv)
-    if given[:1] == [LISTEN]:
-        from edgevox.apps.listen import main as listen
-
-        return listen(given[1:])
     if given[:1] == [DOCTOR]:
         from edgevox.apps.doctor.command import main as doctor
 
         return doctor(given[1:], f"edgevox {DOCTOR}")
-    if given[:1] == [WYOMING]:
-        from edgevox.apps.wyoming import main as wyoming
-
-        return wyoming(given[1:])
-    if given[:1] == [VOICEPRINT]:
-        from edgevox.apps.voiceprint import main as voiceprint
-
-        return voiceprint(given[1:])
-    if given[:1] == [INTERFACES]:
-        from edgevox.apps.interfaces import main as interfaces
-
-        return interfaces(given[1:])
-    if given[:1] == [STATE]:
-        from edgevox.apps.state import main as state
-
-        return state(given[1:])
-    if given[:1] == [COMPLETION]:
-        from edgevox.apps.completion import main as completion
-
-        return completion(given[1:])
+    if given and given[0] in COMMANDS:
+        return int(import_module(COMMANDS[given[0]]).main(given[1:]))
     return _run(given)
 
 

@@ -30,7 +30,7 @@ class CancelToken:
     def __init__(self) -> None:
         self._event = threading.Event()
         self._lock = threading.Lock()
-        self._callbacks: dict[int, Callable[[], None]] = {}
+        self._callbacks: dict[int, Callable[[], object]] = {}
         self._next_key = 0
         self._why = NO_REASON
         self._detach: Callable[[], None] = lambda: None
@@ -78,7 +78,7 @@ class CancelToken:
         if self._event.is_set():
             raise Cancelled(self._why)
 
-    def on_cancel(self, callback: Callable[[], None]) -> Callable[[], None]:
+    def on_cancel(self, callback: Callable[[], object]) -> Callable[[], None]:
         """Run `callback` on cancellation, now if cancelled. Returns a function that forgets it."""
         with self._lock:
             if not self._event.is_set():

@@ -30,16 +30,10 @@ from edgevox.core.errors import EdgeVoxError, InvalidValue
 from edgevox.core.files.user_file import read_text
 from edgevox.core.files.validation import dotted, explain
 from edgevox.core.languages import language_code
+from edgevox.core.servers.address import Endpoint, SpeechEndpoint
 from edgevox.core.transforms import PREFIX_EXPECTED, OdomFrame, is_prefix
 
 _NAMESPACE = re.compile(r"(/[A-Za-z_][A-Za-z0-9_]*)+|/")
-_HOST = r"(\[[0-9A-Fa-f:.]+\]|[A-Za-z0-9._-]+)"
-_ENDPOINT = re.compile(rf"https?://{_HOST}(:[0-9]{{1,5}})?(/[\w./~-]*)?")
-_WYOMING = re.compile(rf"(tcp|wyoming)://{_HOST}:[0-9]{{1,5}}/?")
-_SERVICES = re.compile(
-    r"(?<=.)/(chat/completions|completions|models|audio/transcriptions|audio/speech)/?$"
-)
-"""What people copy with the address: the service that EdgeVox adds by itself."""
 
 
 def _valid_namespace(namespace: str) -> str:
@@ -57,46 +51,14 @@ def _valid_prefix(prefix: str) -> str:
     return prefix
 
 
-def _plain_address(url: str) -> str:
-    """The address as it is plainly meant: no blanks, a small scheme, no service at its end."""
-    scheme, colon, rest = url.strip().partition("://")
-    return _SERVICES.sub("", f"{scheme.lower()}{colon}{rest}")
-
-
-def _valid_endpoint(url: str) -> str:
-    plain = _plain_address(url)
-    if plain and not _ENDPOINT.fullmatch(plain):
-        raise ValueError(
-            "the address of a server such as http://llm.example:8080; its key stands in "
-            "llm_endpoint_key_file"
-        )
-    return plain
-
-
-def _valid_speech_endpoint(url: str) -> str:
-    plain = _plain_address(url)
-    if plain and not (_ENDPOINT.fullmatch(plain) or _WYOMING.fullmatch(plain)):
-        raise ValueError(
-            "the address of a server such as http://speech.example:8000 (OpenAI audio API) or"
-            " tcp://speech.example:10300 (Wyoming); its key stands in a file of its own"
-        )
-    return plain
-
-
 LanguageCode = Annotated[str, AfterValidator(language_code)]
 """The code of a language of the catalogue."""
 RosNamespace = Annotated[str, AfterValidator(_valid_namespace)]
 """A ROS 2 namespace, made absolute."""
 FramePrefix = Annotated[str, AfterValidator(_valid_prefix)]
 """A prefix for the names of frames."""
-Endpoint = Annotated[str, AfterValidator(_valid_endpoint)]
-"""The address of a server, without a key; empty for none."""
-SpeechEndpoint = Annotated[str, AfterValidator(_valid_speech_endpoint)]
-"""The address of a server that hears or speaks, by HTTP or Wyoming; empty for none."""
-
 
 ENV_PREFIX = "EDGEVOX_"
-Fields = Mapping[str, FieldInfo]
 
 
 def old_name(info: FieldInfo) -> str:
@@ -115,14 +77,14 @@ def one_value(old: str, value: object, new: str, other: object) -> None:
         raise InvalidValue(old, value, f"{other!r}, as {new} says, or only one")
 
 
-def by_old_variables(environment: Mapping[str, str], fields: Fields) -> dict[str, Any]:
+def by_old_variables(environment: Mapping[str, str]) -> dict[str, Any]:
     """The settings that the environment gives by an old name.
 
     Raises `InvalidValue` if it also gives another value by the new name.
     """
     given = {name.upper(): value for name, value in environment.items()}
     values: dict[str, Any] = {}
-    for name, info in fields.items():
+    for name, info in Settings.model_fields.items():
         old, new = ENV_PREFIX + old_name(info).upper(), ENV_PREFIX + name.upper()
         if old_name(info) and old in given:
             values[name] = given[old]
@@ -130,13 +92,13 @@ def by_old_variables(environment: Mapping[str, str], fields: Fields) -> dict[str
     return values
 
 
-def by_new_keys(written: Mapping[str, Any], fields: Fields) -> dict[str, Any]:
+def by_new_keys(written: Mapping[str, Any]) -> dict[str, Any]:
     """The settings of a TOML file, with old keys replaced by the new ones.
 
     Raises `InvalidValue` if both keys of a setting have different values.
     """
     values = dict(written)
-    for name, info in fields.items():
+    for name, info in Settings.model_fields.items():
         old = old_name(info)
         if old and old in values:
             value = values.pop(old)
@@ -169,6 +131,8 @@ class Settings(BaseSettings):
     )
     written: ClassVar[Mapping[str, Any]] = {}
     """The contents of the TOML file."""
+    alone: ClassVar[bool] = False
+    """True to take only what is given, without the environment or a file."""
 
     language: LanguageCode = Field(
         "en", description="language to hear and speak: an ISO 639-1 code, a tag or a locale"
@@ -471,8 +435,7 @@ class Settings(BaseSettings):
     @property
     def serves_console(self) -> bool:
         """True if the console is wanted: a given `console` overrides `console_optional`."""
-        said = "console" in self.model_fields_set
-        return self.console if said else self.console_optional
+        return self.console if "console" in self.model_fields_set else self.console_optional
 
     @classmethod
     def settings_customise_sources(
@@ -484,7 +447,9 @@ class Settings(BaseSettings):
         file_secret_settings: PydanticBaseSettingsSource,  # noqa: ARG003
     ) -> tuple[PydanticBaseSettingsSource, ...]:
         """Flags, then the environment, then the TOML file that `load_settings` names."""
-        old = InitSettingsSource(settings_cls, by_old_variables(os.environ, cls.model_fields))
+        if cls.alone:
+            return (init_settings,)
+        old = InitSettingsSource(settings_cls, by_old_variables(os.environ))
         return init_settings, env_settings, old, InitSettingsSource(settings_cls, dict(cls.written))
 
 
@@ -493,15 +458,12 @@ def load_settings(flags: Mapping[str, Any], config: Path | None = None) -> Setti
 
     Raises `InvalidValue` naming the field, its value, and what was expected.
     """
-    try:
-        return (_from_file(config) if config else Settings)(**flags)
-    except ValidationError as error:
-        raise _explain(error) from None
+    return _made(_from_file(config) if config else Settings, flags)
 
 
 def _from_file(config: Path) -> type[Settings]:
     class FromFile(Settings):
-        written = by_new_keys(written_in(config), Settings.model_fields)
+        written = by_new_keys(written_in(config))
 
     return FromFile
 
@@ -516,10 +478,7 @@ def written_in(file: Path) -> dict[str, Any]:
 
 def check_settings(values: Mapping[str, Any]) -> Settings:
     """Settings from these values and the defaults alone. Raises `InvalidValue`."""
-    try:
-        return _alone()(**values)
-    except ValidationError as error:
-        raise _explain(error) from None
+    return _made(_alone(), values)
 
 
 @cache
@@ -527,20 +486,14 @@ def _alone() -> type[Settings]:
     """Settings without other sources. Cached: making so large a model takes longer than a check."""
 
     class Alone(Settings):
-        @classmethod
-        def settings_customise_sources(
-            cls,
-            settings_cls: type[BaseSettings],  # noqa: ARG003
-            init_settings: PydanticBaseSettingsSource,
-            env_settings: PydanticBaseSettingsSource,  # noqa: ARG003
-            dotenv_settings: PydanticBaseSettingsSource,  # noqa: ARG003
-            file_secret_settings: PydanticBaseSettingsSource,  # noqa: ARG003
-        ) -> tuple[PydanticBaseSettingsSource, ...]:
-            return (init_settings,)
+        alone = True
 
     return Alone
 
 
-def _explain(error: ValidationError) -> InvalidValue:
-    known = {"extra_forbidden": "one of " + ", ".join(Settings.model_fields)}
-    return explain(error, lambda place: dotted(place) or "settings", known)
+def _made(kind: type[Settings], values: Mapping[str, Any]) -> Settings:
+    try:
+        return kind(**values)
+    except ValidationError as error:
+        known = {"extra_forbidden": "one of " + ", ".join(Settings.model_fields)}
+        raise explain(error, lambda place: dotted(place) or "settings", known) from None

@@ -169,15 +169,10 @@ class PicturePublisher:
         self.close = bus.subscribe(PictureTaken, publish)
 
 
-class QueryServices:
-    """Serves the contract's queries on a node."""
-
-    def __init__(self, node: Node, queries: Queries) -> None:
-        for name in QUERIES:
-            node.create_service(Trigger, name, partial(_answer, name, queries[name]))
-
-    def close(self) -> None:
-        """Do nothing: the services end with their node."""
+def _serve_queries(node: Node, queries: Queries) -> None:
+    """Serve the contract's queries until the node ends."""
+    for name in QUERIES:
+        node.create_service(Trigger, name, partial(_answer, name, queries[name]))
 
 
 def _answer(
@@ -200,11 +195,7 @@ class DiagnosticsPublisher:
         self._name = str(node.get_fully_qualified_name())
         row = DIAGNOSTICS
         self._publisher = node.create_publisher(DiagnosticArray, row.topic, profile(row.qos))
-        self._forget: Callable[[], None] = ticker.every(1.0 / row.rate_hz, self.publish)
-
-    def close(self) -> None:
-        """Publish nothing more."""
-        self._forget()
+        self.close = ticker.every(1.0 / row.rate_hz, self.publish)
 
     def publish(self) -> None:
         """Publish the report now."""
@@ -302,11 +293,7 @@ class Parameters:
         self._controls = controls
         node.add_on_set_parameters_callback(self._check)
         node.add_post_set_parameters_callback(self._apply)
-        self._forget = bus.subscribe(ControlChanged, self._follow)
-
-    def close(self) -> None:
-        """Follow no more changes."""
-        self._forget()
+        self.close = bus.subscribe(ControlChanged, self._follow)
 
     def _check(self, wanted: Sequence[RosParameter]) -> SetParametersResult:
         try:
@@ -449,8 +436,8 @@ class RosBridge:
             Rosout(node, self._ticker),
             parameters,
             Topics(node, context, self._ticker, backlog),
-            QueryServices(node, context.queries),
         ]
+        _serve_queries(node, context.queries)
         self._parts += _audio(node, context)
         if context.components:
             self._parts.append(DiagnosticsPublisher(node, context.components, self._watching))

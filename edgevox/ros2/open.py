@@ -157,10 +157,6 @@ class Sharing:
         )
 
 
-if TYPE_CHECKING:
-    from edgevox.ros2.agent_node_handle import AgentNodeHandle
-
-
 class Bridge(Protocol):
     """A bridge as an app uses it."""
 

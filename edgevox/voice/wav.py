@@ -59,7 +59,7 @@ def _joined(frames: "Iterable[av.AudioFrame]") -> Samples:
     return np.concatenate(pieces) if pieces else np.empty(0, np.int16)
 
 
-LEAST_HZ, MOST_HZ = 1000, 768_000
+LEAST_HZ, MOST_HZ = 8000, 192_000
 """Bounds of the rate in a header: the reader allocates memory by it."""
 HEADER_BYTES = 44
 """Before the samples, in what most programs write."""
@@ -122,7 +122,6 @@ def _scaled(data: bytes, width: int) -> NDArray[np.floating[Any]]:
     return wide / 2.0 ** (8 * (width - 2))
 
 
-LEAST_HZ, MOST_HZ = 8000, 192_000
 MOST_CHANNELS = 8
 _PCM, _EXTENSIBLE = 1, 0xFFFE
 _LONGEST_HEADER = 1 << 16

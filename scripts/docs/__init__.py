@@ -11,8 +11,8 @@ from docs import bodies, bounds, operating, ros2, talking, weights
 TABLES: Mapping[str, Callable[[], str]] = {
     make.__name__: make
     for make in (
+        bodies.states,
         bounds.bounds,
-        operating.alerts,
         operating.checks,
         operating.components,
         operating.environment,
@@ -34,9 +34,5 @@ TABLES: Mapping[str, Callable[[], str]] = {
         weights.not_commercial,
         weights.sets,
     )
-} | {
-    f"{make.__name__}_{robot}": partial(make, robot)
-    for make in (bodies.skills, bodies.state)
-    for robot in bodies.TOLD[make.__name__]
-}
+} | {f"skills_{robot}": partial(bodies.skills, robot) for robot in bodies.SKILLS}
 """By the name that stands where each belongs on a page; those of a robot end in its name."""

@@ -62,9 +62,12 @@ def skills(robot: str) -> str:
     return table(("skill", "sentences"), rows)
 
 
-def state(robot: str) -> str:
+def states() -> str:
     """The keys of `robot_state`, and the standard topics; a test holds them against each body."""
-    rows = ((code(keys.split(", ")), what) for keys, what in TOLD["state"][robot].items())
-    topics = TOLD["topics"].get(robot)
-    told = f"\nOn ROS 2: {code(topics)}.\n" if topics else ""
-    return table(("`robot_state`", "what"), rows) + told
+    bodies, topics = TOLD["state"], TOLD["topics"]
+    keys = dict.fromkeys(key for told in bodies.values() for key in told)
+    rows = [
+        (code(key.split(", ")), *(told.get(key, "") for told in bodies.values())) for key in keys
+    ]
+    rows.append(("on ROS 2", *(code(topics.get(name, ())) for name in bodies)))
+    return table(("`robot_state`", *(f"`robot-{name}`" for name in bodies)), rows)

@@ -4,7 +4,7 @@ from collections.abc import Iterable
 from dataclasses import fields
 from typing import get_args
 
-from docs.markdown import first_line, table
+from docs.markdown import code, first_line, table
 from edgevox.core.agent_events import AgentEvent, keys
 from edgevox.ros2 import contract, standard_topics
 from edgevox.ros2.contract_rows import Published, Qos, QosSpec, Shared, Subscribed
@@ -64,11 +64,7 @@ def parameters() -> str:
 
 def queries() -> str:
     """What can be asked."""
-    rows = (
-        (f"`{name}`", ", ".join(f"`{key}`" for key in keys))
-        for name, keys in contract.QUERIES.items()
-    )
-    return table(("query", "keys of the answer"), rows)
+    return "; ".join(f"`{name}`: {code(keys)}" for name, keys in contract.QUERIES.items()) + ".\n"
 
 
 def _quality(qos: QosSpec) -> str:

@@ -64,4 +64,4 @@ def turn() -> str:
     """What is measured of a turn."""
     measured = [name for name in TurnMeasured.__slots__ if name != "turn"]
     entries = told(measured, "turn")
-    return table(("key", "what"), ((f"`{name}`", entries[name]) for name in measured))
+    return "; ".join(f"`{name}`: {entries[name]}" for name in measured) + ".\n"

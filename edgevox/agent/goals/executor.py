@@ -1,12 +1,8 @@
-"""The executor of skill calls: checks, acknowledges, runs as goals, and reports their ends.
-
-`GoalRunner` runs the goals beside the conversation; `SkillExecutor` decides which may run.
-"""
+"""The executor of skill calls: checks, acknowledges, runs as goals, and reports their ends."""
 
 import json
 import threading
 from collections.abc import Callable, Mapping, Sequence
-from functools import partial
 from typing import Any, Protocol
 
 from edgevox.agent.goals.goal import Goal
@@ -32,83 +28,6 @@ MAX_BACKGROUND = 64
 """Number of background goals that may wait."""
 ANSWER_S = 30.0
 """Longest time in seconds for a skill that answers: the conversation waits for it."""
-
-
-class GoalRunner:
-    """Runs goals in three lanes.
-
-    - Moving: goals that move the body; the newest plan replaces all others.
-    - Background: goals that move nothing and that no turn asked for, one after another.
-    - Answering: goals that a turn waits for.
-
-    `on_end` is called for every goal of the moving lane, after its end was published.
-    """
-
-    def __init__(self, on_end: Callable[[Goal], None]) -> None:
-        self._deadlines = Deadlines("edgevox-goals-deadlines")
-        self._moving = Lane("moving", self._deadlines, on_end)
-        self._background = Lane("background", self._deadlines)
-        self._answering = Lane("answering", self._deadlines)
-        self._lanes = (self._moving, self._background, self._answering)
-
-    def start(self) -> None:
-        self._deadlines.start()
-        for lane in self._lanes:
-            lane.start()
-
-    def close(self) -> None:
-        """Cancel all goals and wait for the threads."""
-        for lane in self._lanes:
-            lane.close()
-        self._deadlines.close()
-
-    @property
-    def busy(self) -> bool:
-        """True if any goal runs or waits."""
-        return any(lane.busy for lane in self._lanes)
-
-    @property
-    def full(self) -> bool:
-        """True if one more background goal would be dropped."""
-        return self._background.waiting >= MAX_BACKGROUND
-
-    @property
-    def moving(self) -> Goal | None:
-        """The last of the goals that move or wait to."""
-        return self._moving.last
-
-    def wait_idle(self, timeout_s: float | None = None) -> bool:
-        """Block until no goal runs or waits; False after the timeout."""
-        return all(lane.wait_idle(timeout_s) for lane in self._lanes)
-
-    def move(self, goals: Sequence[Goal]) -> None:
-        """Run these goals in place of all that move or wait to move."""
-        goals[0].replaces = self._moving.last
-        self._moving.replace(Plan(goals))
-
-    def run_in_background(self, goal: Goal) -> None:
-        """Run this goal after the waiting ones, without pre-empting any."""
-        if self.full:
-            goal.accept()
-            goal.drop(because("goals_wait", skill=goal.skill.name, count=str(MAX_BACKGROUND)))
-        else:
-            self._background.append(Plan((goal,)))
-
-    def answer(self, goal: Goal) -> None:
-        """Run this goal and block until it has ended, within `ANSWER_S`."""
-        self._answering.append(Plan((goal,), ANSWER_S))
-        goal.wait()
-
-    def cancel_motion(self, reason: Reason | str) -> bool:
-        """Cancel the moving lane without waiting for the ends; True if it had any goal."""
-        return self._moving.cancel(reason)
-
-    def cancel(self, reason: Reason | str) -> bool:
-        """Cancel all lanes without waiting for the ends; True if any had a goal."""
-        ended = [lane.cancel(reason) for lane in self._lanes]
-        return any(ended)
-
-
 MAX_CALLS = 8
 """Number of calls that one utterance may hold."""
 READY_S = 3.0
@@ -130,6 +49,10 @@ class Follower(Protocol):
 
 class SkillExecutor:
     """Runs skill calls: moving skills beside the conversation, the others while the turn waits.
+
+    Goals run in three lanes: those that move the body, of which the newest plan replaces all
+    others; those in the background, which move nothing and which no turn asked for, one after
+    another; and those that a turn waits for.
 
     `stop` and `perform` exclude each other, so no motion starts for a turn that was stopped.
     """
@@ -161,7 +84,11 @@ class SkillExecutor:
         self._followers: tuple[Follower, ...] = ()
         self._stop_everything: Callable[[Turn | None], object] = lambda _: None
         self._gate = threading.Lock()
-        self._runner = GoalRunner(on_end=self._ended)
+        self._deadlines = Deadlines("edgevox-goals-deadlines")
+        self._moving = Lane("moving", self._deadlines, self._ended)
+        self._background = Lane("background", self._deadlines)
+        self._answering = Lane("answering", self._deadlines)
+        self._lanes = (self._moving, self._background, self._answering)
         self._guard = guard or Guard(bus=bus)
         self._interlock = interlock or Interlock()
         self._interlock.on_engage(self._stand)
@@ -175,27 +102,39 @@ class SkillExecutor:
         self._stop_everything = stop
 
     def start(self) -> None:
-        self._runner.start()
+        self._deadlines.start()
+        for lane in self._lanes:
+            lane.start()
 
     def close(self) -> None:
-        self._runner.close()
+        """Cancel all goals and wait for the threads."""
+        for lane in self._lanes:
+            lane.close()
+        self._deadlines.close()
 
     @property
     def busy(self) -> bool:
-        return self._runner.busy
+        """True if any goal runs or waits."""
+        return any(lane.busy for lane in self._lanes)
+
+    @property
+    def moving(self) -> Goal | None:
+        """The last of the goals that move or wait to."""
+        return self._moving.last
 
     def wait_idle(self, timeout_s: float | None = None) -> bool:
-        return self._runner.wait_idle(timeout_s)
+        """Block until no goal runs or waits; False after the timeout."""
+        return all(lane.wait_idle(timeout_s) for lane in self._lanes)
 
     def stop(self, reason: Reason | str, turn: Turn | None) -> bool:
         """Cancel the turn, all goals and all motion of the body; True if there was any."""
         try:
             with self._gate:
                 cut = turn is not None and turn.token.cancel(reason)
-                ran = self._runner.cancel(reason)
+                ran = [lane.cancel(reason) for lane in self._lanes]
         finally:  # halt the body even if the lines above raise
             moved = self._halt(str(reason))
-        return cut or ran or moved
+        return cut or any(ran) or moved
 
     def hush(self, reason: str, turn: Turn) -> bool:
         """Cancel the turn but not the motion; True if the turn was not cancelled before."""
@@ -206,10 +145,9 @@ class SkillExecutor:
         """Cancel the turn and the motion that it began, no other motion; True if there was any."""
         with self._gate:
             cut = turn.token.cancel(reason)
-            moving = self._runner.moving
-            ran = moving is not None and moving.turn == turn.number
-            ended = ran and self._runner.cancel_motion(reason)
-        return cut or ended
+            moving = self.moving
+            began = moving is not None and moving.turn == turn.number
+            return (began and self._moving.cancel(reason)) or cut
 
     def check(
         self,
@@ -232,8 +170,8 @@ class SkillExecutor:
         self._guard.permit(way, [asked], turn, confirmed=confirmed)
         if held := self._held([skill], self._interlock.mark if mark is None else mark):
             raise SkillFailed(held)
-        if not skill.moves and self._runner.full:
-            raise SkillFailed(because("goals_wait", skill=call.skill, count=str(MAX_BACKGROUND)))
+        if not skill.moves and self._full:
+            raise SkillFailed(_too_many_wait(skill))
         return arguments
 
     def check_begin(
@@ -241,8 +179,7 @@ class SkillExecutor:
     ) -> Mapping[str, Any]:
         """Check the call as `check` does, and that it does not end a motion for nothing."""
         arguments = self.check(call, skills, way, mark=mark)
-        if self._runner.moving is not None:
-            self._look_ahead([(skills[call.skill], arguments)], CancelToken(), 0.0)
+        self._check_ready(skills[call.skill], arguments)
         return arguments
 
     def check_ready(self, call: Call, skills: SkillSet) -> None:
@@ -250,9 +187,12 @@ class SkillExecutor:
 
         Never blocks: what is not known now refuses, unless nothing moves.
         """
-        if self._runner.moving is not None:
-            skill = skills[call.skill]
-            self._look_ahead([(skill, skill.validate(call.arguments))], CancelToken(), 0.0)
+        skill = skills[call.skill]
+        self._check_ready(skill, skill.validate(call.arguments))
+
+    def _check_ready(self, skill: Skill, arguments: Mapping[str, Any]) -> None:
+        if self.moving is not None:
+            self._look_ahead([(skill, arguments)], CancelToken(), 0.0)
 
     def _look_ahead(
         self, calls: Sequence[tuple[Skill, Mapping[str, Any]]], token: CancelToken, most_s: float
@@ -265,7 +205,7 @@ class SkillExecutor:
         if mover is None:
             return
         looked = [calls[0]]
-        if mover is not calls[0] and self._runner.moving is not None:
+        if mover is not calls[0] and self.moving is not None:
             looked.append(mover)
         for skill, arguments in looked:
             if skill.ready:
@@ -289,10 +229,8 @@ class SkillExecutor:
         with self._gate:
             if held := self._held([goal.skill], mark):
                 goal.drop(held)
-            elif goal.skill.moves:
-                self._runner.move([goal])
             else:
-                self._runner.run_in_background(goal)
+                self._put(goal)
         return goal
 
     def launch(self, goal: Goal, may: Callable[[], bool]) -> bool:
@@ -305,11 +243,27 @@ class SkillExecutor:
                 return False
             if held := self._held([goal.skill], self._interlock.mark):
                 raise SkillFailed(held)
-            if goal.skill.moves:
-                self._runner.move([goal])
-            else:
-                self._runner.run_in_background(goal)
+            self._put(goal)
         return True
+
+    def _put(self, goal: Goal) -> None:
+        """Run the goal: in place of all that move, or after all in the background."""
+        if goal.skill.moves:
+            self._move([goal])
+        elif self._full:
+            goal.accept()
+            goal.drop(_too_many_wait(goal.skill))
+        else:
+            self._background.append(Plan((goal,)))
+
+    def _move(self, goals: Sequence[Goal]) -> None:
+        goals[0].replaces = self.moving
+        self._moving.replace(Plan(goals))
+
+    @property
+    def _full(self) -> bool:
+        """True if one more background goal would be dropped."""
+        return self._background.waiting >= MAX_BACKGROUND
 
     def step(
         self,
@@ -327,11 +281,6 @@ class SkillExecutor:
         self._tell(goal, "program")
         self._stopping([goal])
         return goal
-
-    @property
-    def moving(self) -> Goal | None:
-        """The last of the goals that move or wait to."""
-        return self._runner.moving
 
     def perform(self, calls: Sequence[Call], skills: SkillSet, turn: Turn, source: str) -> None:
         """Check all calls, then acknowledge and run them in order; if one is wrong, none runs.
@@ -370,12 +319,8 @@ class SkillExecutor:
             raise
         except Denied as denied:
             turn.say(self._phrases().refusal(denied.reason), Outcome.REFUSED)
-        except InvalidValue as error:
-            why, phrases = reason_of(error), self._phrases()
-            turn.say(phrases.refusal(why), Outcome.REFUSED, detail=detail(phrases, why))
-        except SkillFailed as error:
-            why, phrases = error.reason, self._phrases()
-            turn.say(phrases.failure(why), Outcome.REFUSED, detail=detail(phrases, why))
+        except (InvalidValue, SkillFailed) as error:
+            self._say_why_not(error, turn)
         else:
             if held := self._held([goal.skill for goal in goals], turn.mark):
                 self._refuse(goals, held, turn)
@@ -391,11 +336,15 @@ class SkillExecutor:
         except Cancelled:
             return False
         except SkillFailed as error:
-            why, phrases = error.reason, self._phrases()
-            self._reject_all(goals, why, turn)
-            turn.say(phrases.failure(why), Outcome.REFUSED, detail=detail(phrases, why))
+            self._reject_all(goals, error.reason, turn)
+            self._say_why_not(error, turn)
             return False
         return True
+
+    def _say_why_not(self, error: InvalidValue | SkillFailed, turn: Turn) -> None:
+        why, phrases = reason_of(error), self._phrases()
+        say = phrases.failure if isinstance(error, SkillFailed) else phrases.refusal
+        turn.say(say(why), Outcome.REFUSED, detail=detail(phrases, why))
 
     def run(self, goals: Sequence[Goal], turn: Turn, source: str) -> bool:
         """Acknowledge the goals and run them in order; if motion is forbidden, say so: False."""
@@ -408,7 +357,8 @@ class SkillExecutor:
         self._stopping(goals, turn)
         if any(goal.skill.moves for goal in goals):
             return self._run_beside(goals, turn)
-        self._run_now(goals, turn)
+        for goal in goals:
+            self._answer(goal, turn)
         return True
 
     def _goals(
@@ -455,7 +405,7 @@ class SkillExecutor:
                 return False
             held = self._held(skills, turn.mark)
             if not held:
-                self._runner.move(goals)
+                self._move(goals)
         if held:  # motion became forbidden after the acknowledgement
             for goal in goals:
                 goal.drop(held)
@@ -475,13 +425,14 @@ class SkillExecutor:
         arguments = shorten(json.dumps(dict(call.arguments), default=str))
         self._bus.publish(GoalRejected(call.skill[:80], arguments, reason, str(way), turn))
 
-    def _run_now(self, goals: Sequence[Goal], turn: Turn) -> None:
-        for goal in goals:
-            forget = turn.token.on_cancel(partial(_follow, goal, turn))
-            self._runner.answer(goal)
-            forget()
-            phrases = self._phrases()
-            turn.say(_report(phrases, goal), detail=detail(phrases, goal.reason))
+    def _answer(self, goal: Goal, turn: Turn) -> None:
+        """Run the goal, wait for its end, and say it."""
+        forget = turn.token.on_cancel(lambda: goal.token.cancel(turn.token.why))
+        self._answering.append(Plan((goal,), ANSWER_S))
+        goal.wait()
+        forget()
+        phrases = self._phrases()
+        turn.say(_report(phrases, goal), detail=detail(phrases, goal.reason))
 
     def _held(self, skills: Sequence[Skill], mark: int) -> Reason:
         """The reason why these skills may not run at this mark; empty if they may.
@@ -498,7 +449,7 @@ class SkillExecutor:
         """End all motion and return a function that says why; later motion is refused."""
         tell_those = [follower.motion_forbidden(reason) for follower in self._followers]
         with self._gate:
-            ended = self._runner.cancel_motion(reason)
+            ended = self._moving.cancel(reason)
 
         def tell() -> None:
             for tell_one in tell_those:
@@ -528,8 +479,8 @@ class SkillExecutor:
             follower.goal_ended(goal)
 
 
-def _follow(goal: Goal, turn: Turn) -> None:
-    goal.token.cancel(turn.token.why)
+def _too_many_wait(skill: Skill) -> Reason:
+    return because("goals_wait", skill=skill.name, count=str(MAX_BACKGROUND))
 
 
 def _report(phrases: Phrasebook, goal: Goal) -> str:

@@ -81,16 +81,6 @@ class Variable(BaseModel):
         return self.about or (self._field.description or "" if self.setting else "")
 
     @property
-    def default_text(self) -> str:
-        """Its default, for people; empty without one."""
-        if self.shown:
-            return self.shown
-        if self.default or not self.setting:
-            return f"`{self.default}`" if self.default else ""
-        value = self._field.default
-        return "" if value in (None, "") else f"`{str(value).lower()}`"
-
-    @property
     def values(self) -> str:
         """Its allowed values, for people; empty if any is."""
         if self.allowed:

@@ -1,4 +1,4 @@
-"""All checks, once: the doctor asks them, docs/monitoring.md lists them."""
+"""All checks, once: the doctor asks them, `--help` says what they are."""
 
 from edgevox.apps.doctor import (
     console,

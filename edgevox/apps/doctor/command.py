@@ -152,7 +152,9 @@ def doctor_parser(program: str) -> argparse.ArgumentParser:
         prog=program,
         description="Check whether this machine can run EdgeVox, and say how to fix problems.",
         epilog="Exit codes: 0 no error, 1 an error (with --strict also a warning), 2"
-        " wrong arguments.",
+        " wrong arguments. Checks: "
+        + "; ".join(f"{one.name}: {one.about}" for one in CHECKS)
+        + ".",
     )
     add_flags(parser, ["plugins", "robot_namespace", "skills"])
     parser.add_argument(

@@ -1,15 +1,61 @@
 """The address of a server: where it is, the key that opens it, and which model to ask for."""
 
-from collections.abc import Mapping, Sequence
+import re
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 from urllib.parse import urlsplit
+
+from pydantic import AfterValidator
 
 from edgevox.core.files.user_file import regular
 from edgevox.core.servers.errors import Unusable
 
 _LONGEST_KEY = 4096
+_HOST = r"(\[[0-9A-Fa-f:.]+\]|[A-Za-z0-9._-]+)"
+_HTTP = rf"https?://{_HOST}(:[0-9]{{1,5}})?(/[\w./~-]*)?"
+_WYOMING = rf"(tcp|wyoming)://{_HOST}:[0-9]{{1,5}}/?"
+_SERVICES = re.compile(
+    r"(?<=.)/(chat/completions|completions|models|audio/transcriptions|audio/speech)/?$"
+)
+"""What people copy with the address: the service that EdgeVox adds by itself."""
+
+
+def _valid(form: str, expected: str) -> Callable[[str], str]:
+    def check(url: str) -> str:
+        """The address without blanks and without a service at its end, its scheme in small."""
+        scheme, colon, rest = url.strip().partition("://")
+        plain = _SERVICES.sub("", f"{scheme.lower()}{colon}{rest}")
+        if plain and not re.fullmatch(form, plain):
+            raise ValueError(expected)
+        return plain
+
+    return check
+
+
+Endpoint = Annotated[
+    str,
+    AfterValidator(
+        _valid(
+            _HTTP,
+            "the address of a server such as http://llm.example:8080; its key stands in"
+            " llm_endpoint_key_file",
+        )
+    ),
+]
+"""The address of a server, without a key; empty for none."""
+SpeechEndpoint = Annotated[
+    str,
+    AfterValidator(
+        _valid(
+            f"{_HTTP}|{_WYOMING}",
+            "the address of a server such as http://speech.example:8000 (OpenAI audio API) or"
+            " tcp://speech.example:10300 (Wyoming); its key stands in a file of its own",
+        )
+    ),
+]
+"""The address of a server that hears or speaks, by HTTP or Wyoming; empty for none."""
 
 
 @dataclass(frozen=True, slots=True)

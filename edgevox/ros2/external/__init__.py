@@ -25,7 +25,8 @@ def _build(settings: Settings, _speed: float | None) -> Body:
 
     check_environment(os.environ)
     try:
-        from edgevox.ros2.external.robot import ExternalRobot, StationaryRobot
+        from edgevox.ros2.external.robot import ExternalRobot
+        from edgevox.ros2.external.stationary import StationaryRobot
         from edgevox.ros2.robot_file.skills import LoadedFile, load_described
     except ModuleNotFoundError as error:
         if (error.name or "").partition(".")[0].startswith("edgevox"):

@@ -2,6 +2,7 @@
 
 import itertools
 import math
+from typing import Annotated
 
 import pytest
 from hypothesis import given
@@ -18,7 +19,7 @@ from edgevox.agent.nlu.hearing.wordings import MOST_CHARACTERS, HearingPrompts, 
 from edgevox.agent.nlu.meaning import Meaning
 from edgevox.agent.nlu.templates import Recogniser, Understood
 from edgevox.agent.phrases.load import phrasebook
-from edgevox.agent.skills import Call
+from edgevox.agent.skills import Call, OneOf, SkillSet, skill
 from edgevox.core.commands import Hypothesis
 from edgevox.core.languages import LANGUAGES
 from edgevox.voice.stt.speech_to_text import SHOWN_COMMANDS
@@ -219,7 +220,7 @@ def test_every_sentence_of_the_network_is_a_command(code):
     book, some = phrasebook(code), skills()
     near = NearCommands(some, book, LETTERS)
     recogniser = Recogniser(some, code)
-    for wording in (one for skill in some.values() for one in [*wordings(skill, book)][::9]):
+    for wording in (it for one in some.values() for it in [*wordings(one, book)][::9]):
         found = near.nearest([heard(wording.sentence)])
         assert found is None or found.call.skill == wording.call.skill
         if found and not wording.alone:
@@ -251,6 +252,25 @@ def test_hearing_is_shown_no_more_than_it_reads_however_many_names_there_are():
 
     assert len(prompt) <= MOST_CHARACTERS
     assert prompt.endswith(phrasebook("en").hearing.written)
+
+
+def test_hearing_is_shown_every_name_of_a_skill_with_several_in_few_sentences():
+    @skill(templates=("bring [me] the {thing} [{how}]",))
+    def bring(
+        goal,
+        thing: Annotated[str, OneOf(("mug", "newspaper", "umbrella"))],
+        how: Annotated[str, OneOf(("at once", "slowly", "as usual"))] = "as usual",
+    ) -> None:
+        """Bring a thing."""
+
+    written = phrasebook("en").hearing.written
+    prompt = HearingPrompts(SkillSet([bring]))("en")
+    shown = prompt.removesuffix(written)
+
+    assert all(name in shown for name in ("mug", "newspaper", "umbrella", "at once", "slowly"))
+    assert "as usual" not in shown
+    assert shown.count(".") == 3
+    assert HearingPrompts(SkillSet([bring]))("en") == prompt
 
 
 def test_a_wording_calls_what_its_words_say():
@@ -320,6 +340,16 @@ def test_what_the_sound_is_far_more_like_is_no_command():
 
 
 FAR = "room behind the old workshop of the northern wing"
+
+
+@pytest.mark.parametrize(
+    ("instead", "likely"), [("Go to the bid", False), ("Gone to the bid", True)]
+)
+def test_the_more_words_differ_the_less_likely_a_command_may_be(instead, likely):
+    near = near_commands(skills(rooms=(f"bad {FAR}", f"bed {FAR}")))
+    several = [hardly(f"{instead} {FAR}.", 0.6), hardly(f"Go to the bed {FAR}.", 0.4)]
+
+    assert near.nearest(several, rates(bed=-7, bid=-1)).likely is likely
 
 
 def test_words_that_were_heard_well_are_asked_about_at_most():

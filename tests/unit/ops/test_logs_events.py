@@ -48,7 +48,7 @@ def in_code():
         name = event.value
         assert re.fullmatch("[a-z][a-z0-9_]+", name), f"{where}: {name}"
         assert len(level) == (method == "log"), where
-        levels[name].add({"exception": "error", "log": ""}.get(method, method))
+        levels[name].add("" if method == "log" else method)
         given = {one.arg for one in call.keywords}
         open_ended |= {name} if None in given else set()
         fields[name] |= given - COMMON - {None}

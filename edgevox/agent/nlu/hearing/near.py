@@ -74,8 +74,8 @@ _WORD_CLEAR = 0.55
 _LEAST_MASS, _CLEAR_MASS = 0.2, 0.7
 """Share of the hypotheses that must sound most like a command, and like a clear one.
 All of these were chosen with real people's orders to a coffee machine, by the half of the speakers
-that `benchmarks/hearing/people.py` does not report: of 141 in quiet and in noise at 24, 12 and 6 dB
-no other order was done."""
+that `benchmarks/hearing/people.py` does not report. Of 141 in quiet and in noise at 24, 12 and
+6 dB, another order than was meant is done at 6 dB only."""
 _UNLIKELY = 0.05
 """Distance that a hypothesis adds which is e times less likely than the first one."""
 _LEAST_SHARE = 1e-3
@@ -88,14 +88,14 @@ _SURE_WORDS = 0.9
 """Words that are at least so sure are what was said: a command that has others is asked about at
 most, and one of few words is not."""
 _FARTHER, _FARTHEST = 4.0, 12.0
-"""For each word of a command that was not heard and for all of them, in nats: by how much less
-likely than what was heard a clear one may be. "A maricano" is no word that anybody expects."""
+"""For each word that differs from what was heard and for all of them, in nats: by how much less
+likely a clear command may be. "A maricano" is no word that anybody expects."""
 _FARTHEST_ASKED = 20.0
 """The same of one that is worth a question."""
 _RATED_NEAR = 0.2
 """Share of the sounds that may differ from a clear one."""
 _FEW_WORDS, _MANY_WORDS = 3, 8
-_HARDLY_HEARD = (HEARD_FROM, 0.5)
+_HARDLY_HEARD = (HEARD_FROM, 0.6)
 """How sure what was heard must be for a clear one of so few words, and for one of so many: each
 word speaks for it."""
 _MOST_CHARACTERS = 200
@@ -238,10 +238,10 @@ class NearCommands:
                 wordings.setdefault(one.meaning, []).append(one)
         rated = [one for same in [*wordings.values()][:_MOST_RATED] for one in same[:_WORDINGS]]
         differences = [self._differences(one.heard.text, one.path.words) for one in rated]
-        corrected = map(_corrected, (one.heard.text for one in rated), differences)
+        corrected = [*map(_corrected, (one.heard.text for one in rated), differences)]
         heard = [one.text for one in several[:_MOST_FREE]]
         likelihoods = rate([*corrected, *heard])
-        free = max(likelihoods[len(rated) :])
+        free, likeliest = max(zip(likelihoods[len(rated) :], heard, strict=True))
         of: dict[object, int] = {}
         for at, one in enumerate(rated):
             if one.meaning not in of or likelihoods[at] > likelihoods[of[one.meaning]]:
@@ -249,13 +249,14 @@ class NearCommands:
         first, *others = sorted(of.values(), key=lambda at: likelihoods[at], reverse=True)
         rest = sum(math.exp(likelihoods[at] - likelihoods[first]) for at in others)
         best = rated[first]
-        swapped = sum(max(len(one.words), len(one.said)) for one in differences[first])
+        apart = self._differences(likeliest, corrected[first])
+        swapped = sum(max(len(one.words), len(one.said)) for one in apart)
         farther = free - likelihoods[first]
         if farther > _FARTHEST_ASKED:
             return None
         words, confidence = len(self._spoken(best.path.words)), best.heard.confidence
         swaps_sure_words = several[0].confidence >= _SURE_WORDS and (
-            swapped > 0 or best.heard is not several[0]
+            bool(differences[first]) or best.heard is not several[0]
         )
         likely = (
             1.0 / (1.0 + rest) >= _RATED_CLEAR

@@ -11,6 +11,7 @@ recognises sentences that it otherwise writes as "Lock forward" or "Get your own
 
 import itertools
 import math
+import random
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
@@ -21,6 +22,7 @@ from hassil.expression import (
     Expression,
     Group,
     ListReference,
+    Permutation,
     RuleReference,
     TextChunk,
 )
@@ -171,10 +173,12 @@ def _in_turns(several: Iterable[Iterator[_Item]]) -> Iterator[_Item]:
                 waiting.remove(one)
 
 
-MOST_CHARACTERS = 600
+MOST_CHARACTERS = 800
 """Length of a prompt: Whisper reads at most 223 tokens, the last ones of a longer text."""
-_MOST_OF_PAIRS = 4
-"""Number of sentences of a skill with two names; all combinations would be too many."""
+_DRAWN = 300
+"""Number of sentences that are drawn from the templates of a skill with several names."""
+_SHORT = 30
+"""Characters that each sentence costs beside its own: few long ones beat many short ones."""
 
 
 class HearingPrompts:
@@ -208,24 +212,83 @@ def hearing_prompt(skills: Iterable[Skill], book: Phrasebook) -> str:
     room = MOST_CHARACTERS - len(book.hearing.written)
     kept: list[str] = []
     for sentence in dict.fromkeys(_in_turns(iter(_usual(one, book)) for one in skills)):
-        room -= len(sentence) + 1
-        if room < 0:
-            break
-        kept.append(sentence)
+        if len(sentence) < room:
+            room -= len(sentence) + 1
+            kept.append(sentence)
     # Whisper expects the last words most, so the sample spelling stands last.
     return " ".join([*kept, book.hearing.written])
 
 
 def _usual(one: Skill, book: Phrasebook) -> list[str]:
-    """The skill's most usual wording with each of its names, and the bare names."""
+    """The skill's most usual wording with each of its names, and the bare names.
+
+    Of a skill with several names, sentences that have every name at least once.
+    """
     if one.lasting:  # to forget a place must never be what was expected
         return []
+    if len(one.choices) > 1:
+        return _with_every_name(one, book)
     found: dict[tuple[int, tuple[str, ...]], str] = {}
     for wording in wordings(one, book):
         values = tuple(map(str, wording.call.arguments.values()))
         found.setdefault((wording.alone, values), _sentence(wording.sentence))
-    most = None if len(one.choices) < 2 else _MOST_OF_PAIRS
-    return list(found.values())[:most]
+    return list(found.values())
+
+
+def _with_every_name(one: Skill, book: Phrasebook) -> list[str]:
+    """Few sentences that have every name but defaults, which are hardly said: always the same."""
+    draw = _Draw(one, book)
+    drawn = [draw.sentence() for _ in range(_DRAWN if draw.templates else 0)]
+    left, found = {name for _, said in drawn for name in said}, []
+    while left:
+        sentence, said = max(drawn, key=lambda it: len(it[1] & left) / (len(it[0]) + _SHORT))
+        left -= said
+        found.append(_sentence(sentence))
+    return found
+
+
+class _Draw:
+    """Draws sentences from the templates of a skill, each time the same ones."""
+
+    def __init__(self, one: Skill, book: Phrasebook) -> None:
+        fields = one.arguments_model.model_fields
+        self._random = random.Random(0)  # noqa: S311 - the same sentences each time
+        self._rules = book.rules
+        self._names = {
+            slot: [said for said, word in _names(one, slot, book).items() if word != default]
+            for slot in one.choices
+            for default in [fields[slot].default]
+        }
+        self.templates = [parse_sentence(it).expression for it in book.templates(one)]
+
+    def sentence(self) -> tuple[str, frozenset[tuple[str, str]]]:
+        """A sentence and the names in it by slot; none if it has a slot or a name twice."""
+        said: list[tuple[str, str]] = []
+        text = self._drawn(self._random.choice(self.templates), said)
+        slots, names = ({one[at] for one in said} for at in (0, 1))
+        once = len(slots) == len(names) == len(said)
+        return " ".join(text.split()), frozenset(said if once else ())
+
+    def _drawn(self, expression: Expression, said: list[tuple[str, str]]) -> str:
+        match expression:
+            case TextChunk():
+                return str(expression.original_text)
+            case ListReference(list_name=slot):
+                if not self._names.get(slot):
+                    return ""
+                said.append((slot, self._random.choice(self._names[slot])))
+                return said[-1][1]
+            case RuleReference(rule_name=name):
+                return self._drawn(parsed_rule(self._rules[name]), said)
+            case Alternative(items=items, is_optional=optional):
+                if optional and self._random.random() < 0.5:
+                    return ""
+                usual = [1 / (1 + at) for at in range(len(items))]  # the first ones are
+                [item] = self._random.choices(items, usual)
+                return self._drawn(item, said)
+            case Permutation(items=items) | Group(items=items):
+                return "".join(self._drawn(item, said) for item in items)
+        raise TypeError(type(expression))
 
 
 def _sentence(words: str) -> str:
