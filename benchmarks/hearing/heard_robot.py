@@ -56,8 +56,8 @@ class Robot:
     """What one robot hears and understands, as the product puts it together."""
 
     def __init__(self, name: str, model: str = MODEL, skills: SkillSet | None = None) -> None:
-        self._skills = skills or skills_of_robots()[name]
-        prompt = hearing_prompt(self._skills.values(), phrasebook("en"))
+        self.skills = skills or skills_of_robots()[name]
+        prompt = hearing_prompt(self.skills.values(), phrasebook("en"))
         self._path = locate(model)
         self._whisper = Whisper(lambda _: self._path, prompt_of=lambda _: prompt)
         self._bus, self._clock = Bus(), SystemClock()
@@ -80,10 +80,10 @@ class Robot:
         return next(one for one in Outcome if one in {*outcomes, Outcome.NOTHING})
 
     def _does(self, said: Transcript, wanted: Call) -> Outcome:
-        meaning = self._meaning(said)
+        meaning, _ = self.answer(said)
         if meaning is None:
             return Outcome.NOTHING
-        right = whole(self._skills, meaning.calls) == whole(self._skills, (wanted,))
+        right = whole(self.skills, meaning.calls) == whole(self.skills, (wanted,))
         if self._drives(meaning):
             if not meaning.sure:
                 return Outcome.ASKED if right else Outcome.NOTHING
@@ -96,31 +96,37 @@ class Robot:
 
     def effect(self, said: Transcript) -> str:
         """What becomes of these words, whatever they mean."""
-        meaning = self._meaning(said)
+        return self.effect_of(self.answer(said)[0])
+
+    def effect_of(self, meaning: Meaning | None) -> str:
+        """What becomes of this meaning of some words."""
         if meaning is None:
             return Outcome.NOTHING.value
         if self._drives(meaning):
             return "moves" if meaning.sure else "asks"
-        lasting = any(self._skills[call.skill].lasting for call in meaning.every_call)
+        lasting = any(self.skills[call.skill].lasting for call in meaning.every_call)
         return "changes something for good" if lasting else Outcome.NOTHING.value
 
     @cached_property
     def _interpreter(self) -> Interpreter:
-        agent = Agent("robot", "", self._skills)
+        agent = Agent("robot", "", self.skills)
         return Interpreter(
             [agent], self._bus, self._clock, decider=open_decider(), phonemes=open_phonemes()
         )
 
-    def _meaning(self, said: Transcript) -> Meaning | None:
+    def answer(self, said: Transcript) -> tuple[Meaning | None, str]:
+        """What these words mean, and what is said about them before anything is done."""
         turn = Turn(
             1, self._bus, self._clock, lambda: None, way=Way.VOICE,
             hearing=said.confidence, others=said.others, rate=said.rate,
         )  # fmt: skip
         meaning = self._interpreter.understand(said.text, turn)
-        return self._interpreter.as_heard(meaning, said.text, turn) if meaning else None
+        if meaning is None:
+            return None, turn.text
+        return self._interpreter.as_heard(meaning, said.text, turn), turn.text
 
     def _drives(self, meaning: Meaning) -> bool:
-        return any(self._skills[call.skill].drives for call in meaning.every_call)
+        return any(self.skills[call.skill].drives for call in meaning.every_call)
 
 
 def utterances(sound: Samples) -> Iterator[Samples]:

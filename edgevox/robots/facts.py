@@ -214,7 +214,7 @@ def _places(body: Body) -> Sequence[Skill]:
 
     @skill(moves=False)
     def nearest_place(goal: GoalHandle) -> Result:
-        """Say which place is nearest."""
+        """Say which place is nearest, and which is farthest."""
         goal.token.check()
         pose, here = known.pose(), known.here()
         others = [name for name in known.names() if not known.is_at(name)]
@@ -223,8 +223,11 @@ def _places(body: Body) -> Sequence[Skill]:
         lengths = {name: known.way_m(name) or math.inf for name in others}
         if all(math.isinf(one) for one in lengths.values()):
             lengths = {name: known.straight_m(name, pose) for name in others}
-        nearest = min(others, key=lengths.__getitem__)
-        return {"here": here, "room": nearest, "distance": lengths[nearest]}
+        nearest, farthest = (pick(others, key=lengths.__getitem__) for pick in (min, max))
+        told = {"here": here, "room": nearest, "distance": lengths[nearest]}
+        if farthest == nearest or math.isinf(lengths[farthest]):
+            return told
+        return {**told, "farthest": farthest, "farthest_m": lengths[farthest]}
 
     @skill(moves=False)
     def which_places(goal: GoalHandle) -> Result:

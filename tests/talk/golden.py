@@ -131,10 +131,13 @@ FAILURES = {
 LASTS = {"takes", "left", "lasts"}
 FACT: Mapping[str, Any] = {
     **dict.fromkeys(LASTS, 75),
-    **dict.fromkeys(("distance", "straight", "metres", "speed", "limit", "x", "y"), 2.25),
+    **dict.fromkeys(
+        ("distance", "farthest_m", "straight", "metres", "speed", "limit", "x", "y"), 2.25
+    ),
     "count": 3,
     "day": 9,
     "done": "…",
+    "farthest": "bedroom",
     "free": 10.0,
     "here": "office",
     "month": 5,

@@ -263,6 +263,22 @@ class Answers:
                     joined = leads and (joined or _tokens(rest, self._spaced)[:1] in self._pairs)
                     yield Contrast(denied, wanted.strip(), joined, plainly)
 
+    def halves(self, text: str) -> Iterator[tuple[str, str, bool]]:
+        """Each denial that a mark or an "instead of" may part from the rest, and that rest.
+
+        The third value is True if the denial cannot be a "no" to what is before it.
+        """
+        pieces = self._pieces(text)
+        for at in range(1, len(pieces) if len(pieces) <= MAX_TOKENS else 0):
+            first, last = self._space.join(pieces[:at]), self._space.join(pieces[at:])
+            if any(map(_CLAUSE_END.fullmatch, (first[-1:], last.strip()[:1]))):
+                last = _CLAUSE_END.sub("", last.strip()[:1]) + last.strip()[1:]
+                yield first, last, True
+                if not self.after_no(last):
+                    yield last, first, not self._answers(last)
+            elif self._drops(pieces[at:]):
+                yield last, first, True
+
     def _answers(self, text: str) -> bool:
         """True if a text begins with a word that is an answer as well: "no", "don't"."""
         words = _tokens(text, self._spaced)

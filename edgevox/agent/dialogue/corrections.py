@@ -5,6 +5,7 @@ A correction changes a call: "no, to the office" is the same call with another v
 argument.
 """
 
+import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
@@ -14,19 +15,23 @@ from edgevox.agent.dialogue.acts import Answers, Contrast, clause_ends, clause_t
 from edgevox.agent.dialogue.memory import LastDrive
 from edgevox.agent.dialogue.question import OpenQuestion
 from edgevox.agent.nlu.interpreter import Interpreter
+from edgevox.agent.nlu.lexicon import words_of
 from edgevox.agent.nlu.meaning import ASK_FROM, Meaning
 from edgevox.agent.nlu.templates import RefusedCommand
 from edgevox.agent.phrases.numbers import digits, is_exact
 from edgevox.agent.phrases.phrasebook import Phrasebook
 from edgevox.agent.skills import Call, OneOf, Skill
 from edgevox.agent.stop.words import denies_stop
-from edgevox.agent.text.spelling import is_same_name, key
+from edgevox.agent.text.spelling import NUMBER, is_same_name, key
 from edgevox.core.files.text import one_form
 from edgevox.core.files.validation import is_number
 from edgevox.core.languages import STOP_WORDS
 
 _MOST_NAME_WORDS = 3
 """Number of words of the longest name that is found in another form."""
+
+_AMOUNT = re.compile(rf"(?P<number>{NUMBER})(?P<behind>\s*[^\W\d]*)")
+"""A number, and the word behind it."""
 
 _First = tuple[Agent, Sequence[Call], Call]
 """What a correction changes: an agent, its calls, and the one of them that drives."""
@@ -47,7 +52,9 @@ class Instead:
 
 
 class Corrections:
-    """Reads corrections, in the interpreter's language. Any thread may ask.
+    """Reads corrections, in the interpreter's language.
+
+    Any thread may ask for `of`, `bare` and `denies`, only the conversation's for the others.
 
     A correction changes the open question, otherwise the last drive.
     """
@@ -86,14 +93,22 @@ class Corrections:
 
     def instead(self, text: str) -> Instead | None:
         """What a sentence wants that denies something besides, or None for any other sentence."""
-        if not self.answers.may_correct(text):
+        if not (self.answers.may_correct(text) or clause_ends(text)):
             return None
         skills = self._interpreter.active.every_skill.values()
-        spoken = known_words(skills, self._book, text)
-        found = [*self.answers.contrasts(text, spoken), *self._not_stopping(text)]
+        plain = digits(" ".join(one_form(text).split()), self._book.code)
+        numbers = self._numbers(plain)
+        spoken = {**known_words(skills, self._book, text), **numbers}
+        found = [
+            *self.answers.contrasts(plain if numbers else text, spoken),
+            *self._not_stopping(text),
+            *self._other_ways(text),
+        ]
         first = self._first()
-        meant = {str(value) for value in first[2].arguments.values()} if first else set[str]()
+        meant = {first[2].skill, *map(str, first[2].arguments.values())} if first else set[str]()
         for one in found:
+            if one.denied & {*numbers.values()} and not any(map(str.isdigit, one.rest)):
+                continue  # the amount that is not wanted was said, and none in its place
             if (read := self._wanted(one)) is not None:
                 return Instead(read, one.rest, bool(meant & one.denied))
         for one in found:
@@ -110,9 +125,12 @@ class Corrections:
         rest = self.answers.without_instead(one.rest)
         read, other = self._interpreter.plain(one.rest), self._interpreter.plain(rest)
         read = read if isinstance(read, Meaning) else other
+        if read is None and one.denied & self._interpreter.active.every_skill.keys():
+            read = self._interpreter.named(rest)
         if not isinstance(read, Meaning):
             return read
         values = {str(value) for call in read.calls for value in call.arguments.values()}
+        values |= {call.skill for call in read.calls}
         skills = read.agent.every_skill
         if values & one.denied or any(skills[call.skill].lasting for call in read.calls):
             return None
@@ -125,6 +143,31 @@ class Corrections:
             for denial, rest in ((first, last), (last, first)):
                 if rest and denies_stop(self._book.code, denial):
                     yield Contrast(frozenset(), rest, joined=False, plainly=True)
+
+    def _numbers(self, text: str) -> Mapping[str, str]:
+        """What may be said for the numbers of a text, with and without their units."""
+        amounts = words_of(self._book.code).amounts
+        said = {}
+        for one in _AMOUNT.finditer(text):
+            value = str(float(one["number"]))
+            said[one["number"]] = value
+            for unit in amounts:
+                if one["behind"].lstrip().startswith(unit):
+                    said[f"{one['number']} {unit}"] = said[f"{one['number']}{unit}"] = value
+        return said
+
+    def _other_ways(self, text: str) -> Iterator[Contrast]:
+        """The rest of "don't turn left, turn right", if it is a motion by an amount as well."""
+        if isinstance(self.taken_back(text), Meaning):  # "turn left, no, to the right"
+            return
+        for denial, rest, plainly in self.answers.halves(text):
+            wanted = self._interpreter.named(rest)
+            if not wanted or len(wanted.calls) != 1:
+                continue
+            skills = wanted.agent.every_skill
+            denied = self._interpreter.denied(denial)
+            if denied and skills[wanted.calls[0].skill].relative and skills[denied.skill].relative:
+                yield Contrast(frozenset({denied.skill}), rest, joined=False, plainly=plainly)
 
     def taken_back(self, text: str) -> Meaning | bool:
         """What a sentence means that takes back its own beginning: "the kitchen, no, the office".
@@ -139,7 +182,7 @@ class Corrections:
             first = _one_drive(meant) if isinstance(meant, Meaning) else None
             if first is None:
                 continue
-            right = self._changed(after, first) or self._interpreter.plain(after)
+            right = self._changed(after, first, named=True) or self._interpreter.plain(after)
             if isinstance(right, Meaning):
                 return right
             if is_no:
@@ -152,29 +195,32 @@ class Corrections:
             before = before if rest else ordered  # "go to the kitchen, no"
         plain = self._interpreter.plain(before) if before else None
         first = _one_drive(plain) if isinstance(plain, Meaning) else self._last_drive()
-        meant = self._changed(text, first) if first else None
+        meant = self._changed(text, first, named=True) if first else None
         return meant or self._interpreter.plain(self.answers.after_denial(text) or text)
 
-    def _changed(self, text: str, first: _First, *, taken_back: bool = True) -> Meaning | None:
+    def _changed(
+        self, text: str, first: _First, *, taken_back: bool = True, named: bool = False
+    ) -> Meaning | None:
         """The calls with another one in place of the drive that the text corrects.
 
-        With `taken_back`, words before the text took it back.
+        With `taken_back`, words before the text took it back. With `named`, it is enough that the
+        text names another way: only the conversation's thread may ask for that.
         """
         agent, calls, wrong = first
         skill = agent.every_skill[wrong.skill]
         right = correct(wrong, skill, text, self.answers, self._book, taken_back=taken_back)
         rest = text if taken_back else self.answers.after_no(text)
-        right = right or (self._other_way(wrong, agent, rest) if rest else None)
+        right = right or (self._other_way(wrong, agent, rest, named=named) if rest else None)
         if right is None:
             return None
         return Meaning(agent, tuple(right if c is wrong else c for c in calls), "template")
 
-    def _other_way(self, wrong: Call, agent: Agent, text: str) -> Call | None:
+    def _other_way(self, wrong: Call, agent: Agent, text: str, *, named: bool) -> Call | None:
         """The call by the same amount the other way: "no, to the right"."""
-        plain = self._interpreter.plain(text)
-        if not isinstance(plain, Meaning) or len(plain.calls) != 1:
+        said = self._interpreter.named(text) if named else self._interpreter.plain(text)
+        if not isinstance(said, Meaning) or len(said.calls) != 1:
             return None
-        (call,) = plain.calls
+        (call,) = said.calls
         skills = agent.every_skill
         if call.skill == wrong.skill or call.arguments or call.skill not in skills:
             return None

@@ -1,7 +1,7 @@
 """The abilities of a robot in words, from its skills and without a model, and what it cannot do."""
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from functools import cache
 
 from edgevox.agent.nlu.hearing.wordings import wordings
@@ -65,19 +65,43 @@ _ANY, _GAP = "*", "qzq"
 """The mark for any words, and letters in its place that no spelling changes."""
 
 
-def cannot_do(text: str, book: Phrasebook, skills: Sequence[Skill]) -> str:
-    """The sentence that names what a text asks for and these skills cannot do; empty for none.
+def cannot_do(
+    text: str, book: Phrasebook, skills: Sequence[Skill], ordered: Callable[[], bool]
+) -> tuple[str, bool]:
+    """The sentences that name what a text asks for and these skills cannot do; empty for none.
 
-    "Go to the kitchen and bring me the mug" asks to carry something. The longest wording counts.
+    "Go to the kitchen and bring me the mug" asks to carry something. In each clause the longest
+    wording counts, where it begins; in a text that is `ordered` also behind other words, unless
+    they deny.
+    The second value is False for a text of one clause whose act is done where a thing is, so that
+    a place in it is no place to go to: "pause the music in the kitchen".
     """
     names = {one.name for one in skills}
     acts, english = phrasebook(book.code).acts, phrasebook(ENGLISH).acts
     own = {word for one in skills if not book.knows(one) for word in _words_of(one, book)}
-    asked = [found for clause in _clauses(text, book) for found in _acts_in(clause, book.code)]
-    for wording, name in sorted(asked, key=lambda one: len(one[0]), reverse=True):
-        if names.isdisjoint(english[name].by) and not _words(wording) <= own:
-            return acts[name].cannot
-    return ""
+    found: dict[str, bool] = {}
+    clauses = _clauses(text, book)
+    for clause in clauses:
+        asked = [*_acts_in(clause, book.code)]
+        if not asked and (behind := _acts_behind(clause, book)) and ordered():
+            asked = behind
+        wording, name = max(asked, key=lambda one: len(one[0]), default=("", ""))
+        if wording and names.isdisjoint(english[name].by) and not _words(wording) <= own:
+            found[acts[name].cannot] = len(clauses) > 1 or not english[name].in_place
+    return " ".join(found), any(found.values())
+
+
+def _acts_behind(clause: str, book: Phrasebook) -> list[tuple[str, str]]:
+    """The acts that an order names behind other words: "I am thirsty, Anna, fetch me a drink"."""
+    words = clause.split()
+    denied = _whole([plain(one) for one in words_of(book.code).negations], spaced=True)
+    if not book.hearing.spaced or re.search(denied, clause):
+        return []
+    for at, before in enumerate(words[:-1], 1):
+        found = [] if before in book.hearing.articles else _acts(" ".join(words[at:]), book.code)
+        if found:
+            return found
+    return []
 
 
 def _words_of(one: Skill, book: Phrasebook) -> set[str]:
@@ -104,7 +128,7 @@ def _acts_in(clause: str, code: str) -> Iterator[tuple[str, str]]:
     """The acts that a clause asks for, each behind its wording."""
     small = _courtesies(code)
     while clause:
-        found = [(said, name) for said, name, one in _wordings(code) if one.fullmatch(clause)]
+        found = _acts(clause, code)
         yield from found
         shorter = re.sub(rf"^\s*{small}\s*", "", clause, count=1)
         if shorter == clause:
@@ -112,6 +136,10 @@ def _acts_in(clause: str, code: str) -> Iterator[tuple[str, str]]:
         if found or shorter == clause:
             return
         clause = shorter
+
+
+def _acts(clause: str, code: str) -> list[tuple[str, str]]:
+    return [(said, name) for said, name, one in _wordings(code) if one.fullmatch(clause)]
 
 
 @cache
@@ -134,9 +162,13 @@ def _pattern(wording: str, *, spaced: bool) -> re.Pattern[str]:
 
 @cache
 def _courtesies(code: str) -> str:
-    """A pattern of the small words that a clause may begin and end with."""
+    """A pattern of the small words that a clause may begin and end with.
+
+    Articles are none of them: "my watch" is a thing, and asks nobody to watch.
+    """
     words, answers = words_of(code), phrasebook(code).answers
     small = {*words.fillers, *words.asking, *words.abilities, *words.wishes, *answers.polite}
+    small -= {*phrasebook(code).hearing.articles}
     ordered = sorted({plain(one).strip() for one in small}, key=len, reverse=True)
     return _whole(ordered, spaced=phrasebook(code).hearing.spaced)
 

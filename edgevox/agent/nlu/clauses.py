@@ -3,7 +3,6 @@
 `find_names` and `find_numbers` find the values for arguments: names that skills know, and numbers.
 """
 
-import difflib
 import itertools
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -12,6 +11,7 @@ from typing import Any
 from edgevox.agent.nlu.lexicon import Lexicon, SkillWords, Words, is_mark, is_number, plain
 from edgevox.agent.skills import STOP, Call
 from edgevox.agent.skills.arguments import check_arguments
+from edgevox.agent.text.alike import most_alike
 from edgevox.agent.text.spelling import ENDING, is_same_name
 from edgevox.core.errors import InvalidValue
 
@@ -63,12 +63,17 @@ def find_names(lexicon: Lexicon, tokens: Words) -> list[Name]:
     for place, names in lexicon.names.items():
         for start, end, word in _exactly(names, tokens):
             found.setdefault((start, end), {})[place] = word
+    wider = [span for span in _usual_spans(lexicon, tokens) if span not in found]
+    for start, end in [*found]:
+        if any(at <= start and end <= to for at, to in wider):
+            del found[start, end]  # "sala" of "sala da pranzo"
     chosen = _longest([Name(start, end, values) for (start, end), values in found.items()])
     near: dict[tuple[int, int], dict[tuple[str, str], str]] = {}
     guessed: set[tuple[int, int]] = set()
-    for place, names in lexicon.names.items():
-        for start, end, word, alike in _nearly(names, tokens, lexicon):
-            if not any(one.start < end and start < one.end for one in chosen):
+    for place, joined in lexicon.joined.items():
+        for start, end, word, alike in _nearly(joined, tokens, lexicon):
+            taken = (*wider, *((one.start, one.end) for one in chosen))
+            if not any(at < end and start < to for at, to in taken):
                 near.setdefault((start, end), {})[place] = word
                 guessed |= set() if alike else {(start, end)}
     added = [
@@ -76,6 +81,32 @@ def find_names(lexicon: Lexicon, tokens: Words) -> list[Name]:
         for place, values in near.items()
     ]
     return sorted([*chosen, *_longest(added)], key=lambda one: one.start)
+
+
+def _usual_spans(lexicon: Lexicon, tokens: Words) -> list[tuple[int, int]]:
+    """Where names of usual places of several words are said."""
+    several = {name: one for name, one in lexicon.usual_places.items() if len(name) > 1}
+    return [(start, end) for start, end, _ in _exactly(several, tokens)]
+
+
+def find_place(tokens: Words, lexicon: Lexicon) -> str:
+    """The first usual place in a sentence that is no name that skills know; empty for none."""
+    places = lexicon.usual_places
+    named = {at for one in find_names(lexicon, tokens) for at in range(one.start, one.end)}
+    inflected = lexicon.book.fallback is not None and lexicon.book.hearing.spaced
+    for start in range(len(tokens)):
+        for size in (3, 2, 1):
+            said = tokens[start : start + size]
+            if len(said) < size or named.intersection(range(start, start + size)):
+                continue
+            if said in places:
+                return places[said]
+            alike = " ".join(said)
+            if inflected and len(alike) >= _SHORTEST:
+                same = (one for one in places if is_same_name(alike, " ".join(one), inflected=True))
+                if place := next(same, None):
+                    return places[place]
+    return ""
 
 
 def find_numbers(tokens: Words, linking: frozenset[str]) -> list[Number]:
@@ -118,15 +149,15 @@ def _exactly(names: Mapping[Words, str], tokens: Words) -> Iterator[tuple[int, i
 
 
 def _nearly(
-    names: Mapping[Words, str], tokens: Words, lexicon: Lexicon
+    joined: Mapping[str, str], tokens: Words, lexicon: Lexicon
 ) -> Iterator[tuple[int, int, str, bool]]:
     """Names in another spelling: one word for two, two for one, or a typing error.
 
-    Each comes with its borders, its value, and whether its letters are the same.
+    Each comes with its borders, its value, and whether its letters are the same. `joined` are the
+    names in one word; what is most like one without a value is none.
     """
     if not lexicon.book.hearing.spaced:
         return
-    joined = {"".join(name): word for name, word in names.items()}
     inflected = lexicon.book.fallback is not None
     for start in range(len(tokens)):
         for size in (2, 1, 3):
@@ -136,8 +167,8 @@ def _nearly(
             said = "".join(parts)
             if len(said) < _SHORTEST or (size == 1 and lexicon.knows(said)):
                 continue
-            for near in difflib.get_close_matches(said, joined, n=1, cutoff=_NEARLY):
-                if len(near) >= _SHORTEST and _begins_alike(said, near):
+            for near in most_alike(said, joined, least=_NEARLY):
+                if joined[near] and len(near) >= _SHORTEST and _begins_alike(said, near):
                     alike = is_same_name(said, near, inflected=inflected)
                     yield start, start + size, joined[near], alike
 

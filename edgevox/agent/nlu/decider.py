@@ -10,7 +10,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from edgevox.agent.nlu.clauses import ClauseReading
+from edgevox.agent.nlu.clauses import ClauseReading, find_place
 from edgevox.agent.nlu.encoder import Head, SentenceReader
 from edgevox.agent.nlu.lexicon import Lexicon, Words, is_mark, is_number
 from edgevox.agent.nlu.meaning import ASK_FROM, SURE_FROM
@@ -19,7 +19,7 @@ from edgevox.agent.nlu.remainder import is_denied_inside, is_left_over, is_unsai
 from edgevox.agent.phrases.load import ENGLISH
 from edgevox.agent.phrases.numbers import digits, is_exact
 from edgevox.agent.phrases.own_names import phrasebook_of
-from edgevox.agent.skills import Call, SkillSet
+from edgevox.agent.skills import Call, Skill, SkillSet
 from edgevox.agent.text.spelling import key
 
 QUESTION_MARKS = "?\N{FULLWIDTH QUESTION MARK}\N{ARABIC QUESTION MARK}"
@@ -98,12 +98,27 @@ def is_doubted(reading: Reading, facts: Mapping[str, float], lexicon: Lexicon) -
     if len(reading.parts) > 1 and not joints.starts(reading.tokens):
         return True
     wanted = any(facts[one] for one in ("urged", "asking", "wishing", "corrected"))
-    if _is_told_of(reading.tokens, lexicon, wanted):
+    if _is_told_of(reading.tokens, lexicon, wanted) or _names_another_way(reading, lexicon):
         return True
     pairs = itertools.pairwise(reading.tokens)
     if any(is_number(a) and b.isalpha() and not lexicon.knows(b) for a, b in pairs):
         return True
     return is_unsupported(reading, facts, lexicon) and not wanted
+
+
+def _names_another_way(reading: Reading, lexicon: Lexicon) -> bool:
+    """True if a drive to a place has a word of a motion by an amount: "vai indietro in cucina"."""
+    skills = lexicon.skills
+    ways = [words.weights for name, words in lexicon.words.items() if skills[name].relative]
+    return any(
+        lexicon.words[part.call.skill].weights.get(token, 0.0) < _SPEAKS
+        and any(one.get(token, 0.0) >= _SPEAKS for one in ways)
+        and not lexicon.in_a_name(token)
+        for part in reading.parts
+        if skills[part.call.skill].choices and skills[part.call.skill].drives
+        for at, token in enumerate(reading.tokens[part.start : part.end], part.start)
+        if at not in reading.courteous
+    )
 
 
 def _is_told_of(tokens: Words, lexicon: Lexicon, wanted: bool) -> bool:
@@ -246,6 +261,10 @@ _OBJECTIONS = ("denied", "reports", "opens_as_question", "asks", "plans", "addre
 """Evidence that a sentence is no order to the robot, or not for now."""
 
 
+_TOLD = ("reports", "opens_as_question", "plans", "doubts", "conditions")
+"""Evidence that a sentence tells something, though it denies a motion."""
+
+
 class Readings:
     """Reads and judges sentences for one set of skills, in one language and in English.
 
@@ -292,6 +311,12 @@ class Readings:
                     unsupported=is_unsupported(reading, facts, lexicon),
                 )
         return None
+
+    @property
+    def lexicon(self) -> Lexicon:
+        """The words of the spoken language, with the present names."""
+        self._renew()
+        return self._readers[0][0]
 
     def knows(self, text: str) -> bool:
         """True if each word of a text, small ones aside, is used for a motion of these skills."""
@@ -344,6 +369,66 @@ class Readings:
             or is_left_over(_tokens(plain, lexicon), lexicon, denials=True)
             for lexicon, _ in self._readers
         )
+
+    def named(self, text: str) -> Call | None:
+        """The one motion by an amount that these words name, and nothing beside, or None."""
+        judged = self.of(text)
+        alone = judged is not None and not judged.held_back and not judged.reading.strange
+        return self._amount(judged) if judged and alone else None
+
+    def denied(self, text: str) -> Call | None:
+        """The one motion by an amount that these words deny, and nothing beside, or None."""
+        judged = self.of(text)
+        if judged is None or not judged.reading.denied or any(map(judged.evidence.get, _TOLD)):
+            return None
+        for lexicon, _ in self._readers:
+            words = lexicon.function_words
+            tokens = _tokens(" ".join(text.split()), lexicon)
+            denials = lexicon.index(words.negations).places(tokens)
+            if not denials or lexicon.index(words.talking).starts(tokens):
+                continue
+            if judged.reading.strange <= len(denials):
+                return self._amount(judged)
+        return None
+
+    def _amount(self, judged: Judged) -> Call | None:
+        """The one motion by an amount of a reading, if more than courtesies names it, and is said.
+
+        "Not right now" denies no turn to the right.
+        """
+        reading = judged.reading
+        if len(reading.parts) != 1 or not self._skills[reading.calls[0].skill].relative:
+            return None
+        for lexicon, _ in self._readers:
+            words = lexicon.function_words
+            long = (one for one in (*words.fillers, *words.urges) if len(lexicon.phrase(one)) > 1)
+            courteous = lexicon.index(tuple(long)).places(reading.tokens)
+            weights = lexicon.words[reading.calls[0].skill].weights
+            speaks = any(
+                weights.get(one, 0.0) >= _SPEAKS and at not in courteous
+                for at, one in enumerate(reading.tokens)
+            )
+            if speaks and not is_left_over(reading.tokens, lexicon, reading.parts):
+                return reading.calls[0]
+        return None
+
+    def unknown_place(self, text: str) -> tuple[Skill, str, str] | None:
+        """A drive, its argument, and the usual place in these words that it does not know.
+
+        None for words that deny something or that no drive has.
+        """
+        self._renew()
+        lexicon, _ = self._readers[0]
+        words, tokens = lexicon.function_words, _tokens(" ".join(text.split()), lexicon)
+        said = find_place(tokens, lexicon)
+        if not said or lexicon.index(words.negations).starts(tokens):
+            return None
+        wished = bool(lexicon.index(words.wishes).starts(tokens))
+        for one in lexicon.skills.values():
+            weights = lexicon.words[one.name].weights
+            if one.drives and one.choices and (wished or not weights.keys().isdisjoint(tokens)):
+                return one, next(iter(one.choices)), said
+        return None
 
     def _is_left(self, reading: Reading, lexicon: Lexicon, text: str) -> bool:
         """True if a reading that acts leaves out words that change or deny the order.

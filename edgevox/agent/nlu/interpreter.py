@@ -19,18 +19,20 @@ from edgevox.agent.nlu.disfluencies import fluent
 from edgevox.agent.nlu.hearing.hypotheses import breaks_off, is_contested, is_same, likeliest
 from edgevox.agent.nlu.hearing.near import NearCommands
 from edgevox.agent.nlu.hearing.sounds import Phonemes
+from edgevox.agent.nlu.lexicon import words_of
 from edgevox.agent.nlu.meaning import ASK_FROM, HEARD_FROM, Meaning, Program
-from edgevox.agent.nlu.order_reader import NO_CONDITIONS, ProgramReader, Unclear
+from edgevox.agent.nlu.order_reader import NO_CONDITIONS, ProgramReader, Read, Unclear
 from edgevox.agent.nlu.questions import (
     CheckedAnswer,
     WorldWords,
     asks,
     asks_whether,
+    cued,
     is_about_hearer,
     question_of,
 )
 from edgevox.agent.nlu.remainder import may_ask_whether
-from edgevox.agent.nlu.templates import Recogniser, RefusedCommand, Understood
+from edgevox.agent.nlu.templates import Recogniser, RefusedCommand, Understood, refused
 from edgevox.agent.phrases.load import ENGLISH
 from edgevox.agent.phrases.own_names import phrasebook_of
 from edgevox.agent.phrases.phrasebook import Phrasebook
@@ -112,11 +114,12 @@ class Interpreter:
         """The meaning of an utterance; None if `turn` has answered it in words."""
         plain = self.plain(text)
         said, text = text, fluent(text, self._code)
+        asked = self._cued(text)
+        if asked and isinstance(plain, Meaning) and _takes_any_words(plain):
+            return self._taken(asked, turn)
         if isinstance(plain, Meaning) and not _goes_back_from_there(plain):
             return self._taken(plain, turn)
-        program, sure = self._programs.understand(said, self._plain_calls, self._free_calls)
-        if text != said and not isinstance(program, Program):  # as said: it may hold words to say
-            program, sure = self._programs.understand(text, self._plain_calls, self._free_calls)
+        program, sure = self._program(said, text)
         if isinstance(program, Program):
             how = ("template", 1.0) if sure else ("reading", ASK_FROM)
             return Meaning(self.active, (), *how, program=program)
@@ -126,7 +129,9 @@ class Interpreter:
         near = None if program else self._sounds_like(text, turn)
         if near and near.sure:
             return self._taken(near, turn)
-        meaning = self._without_acts(self._read(text), text, turn)
+        meaning = self._judged(text, turn, refused=plain is not None)
+        if meaning and not (meaning.sure and _acts(meaning)):
+            meaning = asked or meaning
         if meaning and (meaning.sure or not near) and not (program and _drives(meaning)):
             return self._taken(meaning, turn)
         if meaning and isinstance(program, Unclear):  # not for now, so not done
@@ -134,11 +139,27 @@ class Interpreter:
             return None
         if meaning := self._said_instead(text, turn) or near:
             return self._taken(meaning, turn)
+        if asked:
+            return self._taken(asked, turn)
         refused = program if isinstance(program, RefusedCommand) else plain
         if refused:
             turn.say(refused.reason, Outcome.REFUSED, detail=refused.detail)
             return None
         return self._answer(text, said, turn)
+
+    def _program(self, said: str, text: str) -> tuple[Read, bool]:
+        """The program in what was said, or in its text without false starts."""
+        found = self._programs.understand(said, self._plain_calls, self._free_calls)
+        if text != said and not isinstance(found[0], Program):  # as said: it may hold words to say
+            found = self._programs.understand(text, self._plain_calls, self._free_calls)
+        return found
+
+    def _judged(self, text: str, turn: Turn, *, refused: bool) -> Meaning | None:
+        """The judged reading; none that only guesses where something better can be said."""
+        meaning = self._without_acts(self._read(text), text, turn)
+        if meaning and self._only_guesses(meaning) and (refused or self._unknown_place(text)):
+            return None
+        return meaning
 
     def _answer(self, text: str, said: str, turn: Turn) -> Meaning | None:
         """Answer words that are no order: by what the robot knows, else by the model.
@@ -148,11 +169,14 @@ class Interpreter:
         whether = asks_whether(text, self._code)
         if not whether and (asked := self._asked(text)):
             return self._taken(asked, turn)
-        if cannot := self._cannot(text):
+        if cannot := self._cannot(text)[0]:
             turn.say(cannot, Outcome.REFUSED)
             return None
         if whether and not _needs_model(self.active):
             self._say_ability(text, turn)
+            return None
+        if not asks(text, self._code) and (unknown := self._unknown_place(text)):
+            turn.say(unknown.reason, Outcome.REFUSED, detail=unknown.detail)
             return None
         of_robot = self._model is None and is_about_hearer(text, self._code)
         if asks(text, self._code) and (of_robot or self._world().named_in(text)):
@@ -208,25 +232,65 @@ class Interpreter:
             return Meaning(agent, decision.calls, "reading", sure)
         return None
 
-    def _cannot(self, text: str) -> str:
-        """The sentence that names what these words ask for and no skill can do; empty for none."""
+    def _cannot(self, text: str) -> tuple[str, bool]:
+        """The sentences that name what these words ask for and no skill can do; empty for none.
+
+        The second value is True if the robot may be wanted elsewhere for it.
+        """
         if asks(text, self._code):
-            return ""
-        return cannot_do(text, self.phrases, self._every_skill())
+            return "", False
+        skills = self._every_skill()
+        return cannot_do(text, self.phrases, skills, lambda: self._ordered(text))
 
     def _without_acts(self, meaning: Meaning | None, text: str, turn: Turn) -> Meaning | None:
-        """The reading, asked about if the words ask for something besides that no skill can do."""
-        cannot = self._cannot(text) if meaning and _drives(meaning) else ""
-        if meaning and cannot:
-            turn.say(cannot)
-            return replace(meaning, confidence=min(meaning.confidence, ASK_FROM))
-        return meaning
+        """The reading, asked about if the words ask for something besides that no skill can do.
+
+        One that only tells something is not what they ask for then.
+        """
+        guesses = meaning and self._only_guesses(meaning)
+        acts = meaning and (guesses or _drives(meaning))
+        cannot, elsewhere = self._cannot(text) if acts else ("", False)
+        if not meaning or not cannot:
+            return meaning
+        if guesses or not elsewhere:
+            return None
+        turn.say(cannot)
+        return replace(meaning, confidence=min(meaning.confidence, ASK_FROM))
+
+    def _only_guesses(self, meaning: Meaning) -> bool:
+        """True for an unsure meaning that moves and changes nothing, about which nothing asks."""
+        skills = meaning.agent.every_skill
+        return not meaning.sure and not any(
+            skills[call.skill].moves or skills[call.skill].lasting for call in meaning.calls
+        )
+
+    def _unknown_place(self, text: str) -> RefusedCommand | None:
+        """The refusal of an order to go to a usual place that the robot does not know."""
+        for agent in self._active_first():
+            found = self._readings[agent.name].unknown_place(text)
+            if found and self._ordered(text):
+                one, argument, said = found
+                return refused(
+                    self.phrases, "unknown_word", argument, one.choices[argument].words, said
+                )
+        return None
+
+    def _ordered(self, text: str) -> bool:
+        """True if the encoder takes the words for an order; false without one."""
+        return self._decider is not None and self._decider.is_order(text)
 
     def _asked(self, text: str) -> Meaning | None:
         """The question to the robot that the words most likely ask, though no template fits."""
         for agent in self._active_first():
             judged = self._questions[agent.name].of(text)
             if call := question_of(judged, text, self._code):
+                return Meaning(agent, (call,), "reading", ASK_FROM)
+        return None
+
+    def _cued(self, text: str) -> Meaning | None:
+        """The question to the robot whose own words are said."""
+        for agent in self._active_first():
+            if call := cued(text, self._questions[agent.name].lexicon):
                 return Meaning(agent, (call,), "reading", ASK_FROM)
         return None
 
@@ -259,10 +323,10 @@ class Interpreter:
     def _sounds_like(self, text: str, turn: Turn) -> Meaning | None:
         """The command that meaningless spoken words sound like.
 
-        None for typed words, and for words that deny, tell or put off something, where the command
-        does not.
+        None for typed words, for an act that no skill does, and for words that deny, tell or put
+        off something, where the command does not.
         """
-        if not turn.way.spoken:
+        if not turn.way.spoken or self._cannot(text)[0]:
             return None
         several = as_hypotheses(text, turn.hearing, turn.others)
         for agent in self._active_first():
@@ -284,6 +348,32 @@ class Interpreter:
         """True if something in what was heard speaks against these words, but not in themselves."""
         against = self._readings[agent.name].objections
         return not frozenset().union(*map(against, heard)) <= against(words)
+
+    def named(self, text: str) -> Meaning | None:
+        """The plain command in these words, or the one motion by an amount that they only name.
+
+        "Right" names one: beside a motion that is not wanted that says which one is.
+        """
+        plain = self.plain(text)
+        if isinstance(plain, Meaning):
+            return plain
+        for agent in self._active_first() if plain is None else ():
+            if call := self._readings[agent.name].named(text):
+                return Meaning(agent, (call,), "reading", ASK_FROM)
+        return None
+
+    def denied(self, text: str) -> Call | None:
+        """The one call that these words deny and say nothing beside: "don't turn left"."""
+        denied = (self._readings[agent.name].denied(text) for agent in self._active_first())
+        found = next(filter(None, denied), None)
+        if found or self.phrases.hearing.spaced:
+            return found
+        words = (*words_of(self._code).negations, *self.phrases.answers.not_)
+        for one in sorted(words, key=len, reverse=True):
+            plain = self.plain(text.replace(one, "", 1)) if one in text else None
+            if isinstance(plain, Meaning) and len(plain.calls) == 1:
+                return plain.calls[0]
+        return None
 
     def is_held_back(self, text: str) -> bool:
         """True if these words say that they are no order, or not for now."""
@@ -318,7 +408,7 @@ class Interpreter:
         self.active = next(iter(self._agents.values()))
 
     def _ask_model(self, model: LanguageModel, text: str, turn: Turn) -> Meaning | None:
-        ordered = self._decider is not None and self._decider.is_order(text)
+        ordered = self._ordered(text)
         had: list[str] = []  # so that two agents cannot hand over forever
         while len(had) <= MAX_HANDOFFS:
             had.append(self.active.name)
@@ -432,6 +522,16 @@ class Interpreter:
 
 def _drives(meaning: Meaning) -> bool:
     return any(meaning.agent.every_skill[call.skill].drives for call in meaning.calls)
+
+
+def _acts(meaning: Meaning) -> bool:
+    skills = [meaning.agent.every_skill[call.skill] for call in meaning.calls]
+    return any(one.moves or one.lasting for one in skills)
+
+
+def _takes_any_words(meaning: Meaning) -> bool:
+    skills = [meaning.agent.every_skill[call.skill] for call in meaning.calls]
+    return not _acts(meaning) and any(one.new_names for one in skills)
 
 
 def _goes_back_from_there(meaning: Meaning) -> bool:

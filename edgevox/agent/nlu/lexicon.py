@@ -13,10 +13,10 @@ import unicodedata
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import cache
+from functools import cache, cached_property, lru_cache
 from typing import Any
 
-from edgevox.agent.nlu.templates import openers
+from edgevox.agent.nlu.templates import openers, usual_places
 from edgevox.agent.phrases.numbers import digits
 from edgevox.agent.phrases.phrasebook import Phrasebook
 from edgevox.agent.skills import Skill, SkillSet
@@ -108,13 +108,14 @@ _MARKS = r"[,;.!?:\u2026\u3001\u3002\u060c\u061b\u061f\u0964]+"
 _ORDINAL = r"\d+(?:st|nd|rd|th)\b"
 WORD = r"(?:[^\W\d_]|[\u0900-\u0963])+'?"
 """Pattern of a word; `re` takes the vowels and joiners of Devanagari for no letters."""
-_TOKEN = re.compile(rf"{_ORDINAL}|(?<![\d.]){NUMBER}|{WORD}|{_MARKS}|%|\u00b0")
+TOKEN = re.compile(rf"{_ORDINAL}|(?<![\d.]){NUMBER}|{WORD}|{_MARKS}|%|\u00b0")
 _IS_NUMBER = re.compile(NUMBER)
 _IS_MARK = re.compile(_MARKS)
 _JOINING = frozenset({0, 8, 9})
 """Combining classes of marks that make another letter or join two: kana voicing, virama."""
 
 
+@lru_cache(maxsize=8192)
 def plain(text: str) -> str:
     """Spell a text in one way: no accents, vowel points or capitals, and joined words apart."""
     spelled = folded(separated(one_form(text.replace("_", " ")))).casefold()
@@ -146,7 +147,7 @@ class Tokenizer:
         self._longest = max(map(len, self._known), default=1)
 
     def __call__(self, text: str) -> Words:
-        tokens = _TOKEN.findall(plain(text))
+        tokens = TOKEN.findall(plain(text))
         if self._spaced:
             return tuple(tokens)
         return tuple(part for token in tokens for part in self._parts(token))
@@ -276,6 +277,21 @@ class Lexicon:
             for word in (*named, *(w for one in self.words.values() for w in one.weights))
             if len(word) >= _SHORTEST_MIXED
         }
+
+    @cached_property
+    def usual_places(self) -> Mapping[Words, str]:
+        """The usual places of its language by their words, each as it is written."""
+        return {self.tokenize(one): one for one in usual_places(self.book.code).values()}
+
+    @cached_property
+    def joined(self) -> Mapping[tuple[str, str], Mapping[str, str]]:
+        """The names of each argument in one word, to their values; other usual places have none."""
+        found = {}
+        for place, names in self.names.items():
+            found[place] = {"".join(name): word for name, word in names.items()}
+            for words in self.usual_places:
+                found[place].setdefault("".join(words), "")
+        return found
 
     def knows(self, word: str) -> bool:
         """True for a word of a skill, of a name, or of the function words."""

@@ -5,15 +5,17 @@ A model knows nothing of the robot and its world. A question about them that no 
 """
 
 import re
-from collections.abc import Iterable
-from functools import cached_property
+from collections.abc import Iterable, Iterator, Sequence
+from functools import cache, cached_property
 
+from edgevox.agent.nlu.clauses import Name, find_names
 from edgevox.agent.nlu.decider import QUESTION_MARKS, Judged
-from edgevox.agent.nlu.lexicon import plain, words_of
+from edgevox.agent.nlu.lexicon import TOKEN, Lexicon, Words, is_mark, plain, words_of
 from edgevox.agent.phrases.numbers import digits
 from edgevox.agent.phrases.phrasebook import Phrasebook
 from edgevox.agent.skills import Call, Skill
 from edgevox.agent.text.spelling import NUMBER, key
+from edgevox.agent.text.words import spoken_name
 from edgevox.core.languages import LANGUAGES
 
 _LEAST_TOLD = 4.0, 2.8
@@ -23,6 +25,8 @@ _LEAST_LEAD = 2.0, 1.0
 """Least lead in weight over another question, for either."""
 _MOST_STRANGE = 0.17, 0.25
 """Largest share of unknown words in either: "how fast is light" is no question to the robot."""
+_MOST_STRANGE_SIGNS = 0.5
+"""The same where words are not written apart: each sign of an unknown word counts."""
 
 
 def question_of(judged: Judged | None, text: str, code: str) -> Call | None:
@@ -38,6 +42,132 @@ def question_of(judged: Judged | None, text: str, code: str) -> Call | None:
     known = facts["share_strange"] <= _MOST_STRANGE[named] and not facts["strange_unfilled"]
     clear = part.support - part.rival >= _LEAST_LEAD[named] and not facts["denied"]
     return part.call if told and known and clear else None
+
+
+def cued(text: str, lexicon: Lexicon) -> Call | None:
+    """The question of the table `cues` whose words are all said, in any order; None if unclear.
+
+    Of several questions the one with the most groups of words is asked, then the one with the
+    longest. All names must be used, and hardly a word be unknown: "how long does a film last".
+    """
+    if not _inquires(text, lexicon.book.code):
+        return None
+    written = lexicon.tokenize(digits(" ".join(text.split()), lexicon.book.code))
+    for tokens in dict.fromkeys((written, lexicon.spelled(written))):
+        if call := _cued(tokens, lexicon):
+            return call
+    return None
+
+
+def _cued(tokens: Words, lexicon: Lexicon) -> Call | None:
+    names, asked = find_names(lexicon, tokens), dict[tuple[int, int], list[Call]]()
+    for one in lexicon.skills.values():
+        cues = _cues(one, lexicon.book)
+        used = _used(tokens, cues, lexicon.book.code)
+        uncovered = [name for name in names if not _covers(used, tokens[name.start : name.end])]
+        for groups, slots in cues:
+            called = names if slots == len(names) else uncovered
+            said = _joined(_with_slots(tokens, called if slots else ()), lexicon.book.code)
+            found = [hit[0].strip() for group in groups if (hit := group.search(said))]
+            call = _call(one, called if slots else ())
+            if len(found) < len(groups) or len(called) != slots or call is None:
+                continue
+            if _is_known(tokens, used, called, lexicon):
+                asked.setdefault((len(found), sum(map(len, found))), []).append(call)
+    first, *others = asked[max(asked)] if asked else [None]
+    return first if all(one == first for one in others) else None
+
+
+def _cues(one: Skill, book: Phrasebook) -> list[tuple[tuple[re.Pattern[str], ...], int]]:
+    """The cues of a question, each with the number of its slots."""
+    cues = book.cues.get(one.entry) or book.cues.get(one.name, ())
+    return [(_groups(book.written_out(cue), book.code), len(_SLOT.findall(cue))) for cue in cues]
+
+
+def _inquires(text: str, code: str) -> bool:
+    """True if the text has a question mark or a question word, and opens as no wish."""
+    words, said = words_of(code), f"{plain(text)} "
+    if any(said.startswith(f"{plain(one)} ") for one in words.wishes):
+        return False
+    return any(mark in text for mark in QUESTION_MARKS) or _holds(text, words.questions, code)
+
+
+def _joined(tokens: Iterable[str], code: str) -> str:
+    space = " " if LANGUAGES[code].spaced else ""
+    return f"{space}{space.join(tokens)}{space}"
+
+
+def _with_slots(tokens: Words, names: Sequence[Name]) -> Iterator[str]:
+    """The tokens, with a slot for each name: "how far is the {room}"."""
+    starts = {one.start: one for one in names}
+    inside = {at for one in names for at in range(one.start, one.end)}
+    for at, token in enumerate(tokens):
+        if at in starts:
+            yield from {f"{{{spoken_name(argument)}}}" for _, argument in starts[at].values}
+        elif at not in inside:
+            yield token
+
+
+@cache
+def _groups(cue: str, code: str) -> tuple[re.Pattern[str], ...]:
+    """The pattern of each group of words of a cue; `*` stands for any ending of a word."""
+    groups = [(several or single).split("|") for several, single in _GROUP.findall(cue)]
+    return tuple(re.compile("|".join(_form(one, code) for one in forms)) for forms in groups)
+
+
+def _form(form: str, code: str) -> str:
+    if form.startswith("{"):
+        return re.escape(form)
+    tokens = TOKEN.findall(plain(digits(form.removesuffix("*"), code)))
+    words = re.escape(_joined(tokens, code).strip())
+    if not LANGUAGES[code].spaced:
+        return words
+    ending = r"\w*" if form.endswith("*") else ""
+    return rf"(?<= ){words}{ending}(?=[ '])"
+
+
+def _used(
+    tokens: Words, cues: Iterable[tuple[Iterable[re.Pattern[str]], int]], code: str
+) -> frozenset[str]:
+    """The words of the sentence that some cue of a question has."""
+    said = _joined(tokens, code)
+    groups = {group for several, _ in cues for group in several}
+    found = (hit[0] for group in groups for hit in group.finditer(said))
+    return frozenset(word for one in found for word in one.split())
+
+
+def _covers(used: frozenset[str], name: Words) -> bool:
+    """True if a name is made of these words: "left" is a bin, and a word of "how many are left"."""
+    return used.issuperset(name) or any("".join(name) in one for one in used)
+
+
+def _is_known(tokens: Words, used: frozenset[str], names: Sequence[Name], lexicon: Lexicon) -> bool:
+    """True if hardly a word is unknown beside the names and the words of this question's cues."""
+    inside = {at for one in names for at in range(one.start, one.end)}
+    strange = [
+        one
+        for at, one in enumerate(tokens)
+        if at not in inside and not (is_mark(one) or lexicon.knows(one) or one in used)
+    ]
+    most = _MOST_STRANGE[0] if lexicon.book.hearing.spaced else _MOST_STRANGE_SIGNS
+    return len(strange) <= most * len(tokens)
+
+
+def _call(one: Skill, names: Sequence[Name]) -> Call | None:
+    """The call of this skill with these names; None if one is missing."""
+    said = {
+        argument: word
+        for name in names
+        for (skill, argument), word in name.values.items()
+        if skill == one.name
+    }
+    fields = one.arguments_model.model_fields
+    lacks = any(info.is_required() and name not in said for name, info in fields.items())
+    return None if lacks else Call(one.name, said)
+
+
+_GROUP = re.compile(r"\(([^()]*)\)|([^\s()]+)")
+_SLOT = re.compile(r"\{\w+\}")
 
 
 def asks(text: str, code: str) -> bool:

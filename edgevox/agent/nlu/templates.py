@@ -30,7 +30,7 @@ from hassil.intents import Intent, IntentData, SlotList, TextSlotList, WildcardS
 from hassil.parse_expression import parse_sentence
 from hassil.util import normalize_for_matching
 
-from edgevox.agent.phrases.load import ENGLISH
+from edgevox.agent.phrases.load import ENGLISH, phrasebook
 from edgevox.agent.phrases.numbers import digits, is_exact
 from edgevox.agent.phrases.own_names import phrasebook_of
 from edgevox.agent.phrases.phrasebook import Phrasebook, brief, whole
@@ -38,6 +38,7 @@ from edgevox.agent.phrases.tables import Hearing
 from edgevox.agent.skills import NO_SKILLS, Call, Skill, SkillSet
 from edgevox.agent.skills.arguments import is_number_type
 from edgevox.agent.skills.skill import OneOf
+from edgevox.agent.text.alike import most_alike
 from edgevox.agent.text.spelling import (
     ENDING,
     NUMBER,
@@ -275,6 +276,16 @@ def _indexed(words: TextSlotList) -> TextSlotList:
     return words
 
 
+@lru_cache(len(LANGUAGES))
+def usual_places(code: str) -> Mapping[str, str]:
+    """The usual places that a language has a word for, in `key` form, each as it is written.
+
+    One of them in a sentence is meant: it is no misspelt name of the robot's.
+    """
+    flat = (one.strip("()") for one in phrasebook(code).hearing.places if "[" not in one)
+    return {key(name): name for one in flat for name in one.split("|")}
+
+
 MAX_CHARACTERS = 240
 """Number of characters from which on an utterance is no plain command and goes to the model."""
 
@@ -448,11 +459,14 @@ class _TemplateReader:
                     self._answers.say("no_words", argument=self._answers.kind(name))
                 )
             spoken = {key(one): word for one, word in self._book.heard(choices).items()}
-            near = difflib.get_close_matches(key(said), spoken, n=1, cutoff=_NEAR)
+            known = (*spoken, *(usual_places(self._book.code).keys() - spoken.keys()))
+            alike = most_alike(key(said), known, least=_NEAR)
+            near = [one for one in alike if one in spoken]
             inflected = self._book.fallback is not None
             same = bool(near) and is_same_name(key(said), near[0], inflected=inflected)
             if not near or not (same or self._is_alike(key(said), near[0])):
-                return refused(self._answers, "unknown_word", name, choices.words, said)
+                as_said = self._without_articles(str(arguments[name]), leading=True)
+                return refused(self._answers, "unknown_word", name, choices.words, as_said)
             nearly |= not same
             arguments[name] = spoken[near[0]]
         return Understood((Call(call.skill, arguments),), nearly)
@@ -463,10 +477,13 @@ class _TemplateReader:
         longer = known in said and extra > (ENDING if self._book.hearing.spaced else 0)
         return not longer and _alike_word_by_word(said, known)
 
-    def _without_articles(self, said: str) -> str:
+    def _without_articles(self, said: str, *, leading: bool = False) -> str:
+        """Without its articles, or only without the `leading` ones."""
         articles = {key(separated(article)) for article in self._book.hearing.articles}
-        words = [word for word in said.split() if key(word) not in articles]
-        return " ".join(words).replace("' ", "'")
+        words = said.split()
+        kept = [at for at, word in enumerate(words) if key(word) not in articles]
+        kept = [*range(kept[0], len(words))] if leading and kept else kept
+        return " ".join(words[at] for at in kept).replace("' ", "'")
 
 
 def _alike_word_by_word(said: str, known: str) -> bool:

@@ -72,9 +72,15 @@ def _book(code: str, data: Mapping[str, Any], fallback: Phrasebook | None) -> Ph
         small_talk=_exchanges(data, "small_talk") or (fallback.small_talk if fallback else ()),
         declined=_exchanges(data, "declined") or (fallback.declined if fallback else ()),
         acts={
-            name: HouseAct(tuple(one["words"]), one["cannot"], tuple(one.get("by", ())))
+            name: HouseAct(
+                tuple(one["words"]),
+                one["cannot"],
+                tuple(one.get("by", ())),
+                one.get("in_place", False),
+            )
             for name, one in data.get("acts", {}).items()
         },
+        cues={name: tuple(some) for name, some in data.get("cues", {}).items()},
         links=tuple(data.get("links", fallback.links if fallback else ())),
         smoothing=_rewritings(data.get("smoothing", ())),
         answers=_answers(data.get("answers", {})),

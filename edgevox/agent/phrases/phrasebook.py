@@ -8,7 +8,6 @@
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from difflib import SequenceMatcher
 from functools import cached_property
 from itertools import zip_longest
 from typing import Any
@@ -24,6 +23,7 @@ from edgevox.agent.phrases.tables import (
 )
 from edgevox.agent.skills import Example, Skill, SkillPhrases
 from edgevox.agent.skills.skill import MOST_HINTS, OneOf
+from edgevox.agent.text.alike import most_alike
 from edgevox.agent.text.spelling import key
 from edgevox.agent.text.words import (
     Word,
@@ -130,8 +130,8 @@ def brief(book: "Phrasebook", names: Sequence[str], said: str = "") -> str:
     """The words as a spoken list; of many, only those nearest to the words `said`."""
     if len(names) <= MOST_SPOKEN:
         return book.listing(names)
-    near = sorted(names, key=lambda name: -_nearness(book, name, said)) if said else names
-    first = [str(book.word(name)) for name in near[: MOST_SPOKEN - 1]]
+    near = _nearest(book, names, said) if said else names[: MOST_SPOKEN - 1]
+    first = [str(book.word(name)) for name in near]
     spoken = book.say("separator").join(first)
     return book.say("more", first=spoken, count=len(names) - len(first))
 
@@ -148,9 +148,16 @@ def detail(book: "Phrasebook", why: Reason) -> str:
     return " ".join(filter(None, (*(whole(book, names) for names in lists), topic)))
 
 
-def _nearness(book: "Phrasebook", name: str, said: str) -> float:
-    heard = (name, *book.word(name).heard)
-    return max(SequenceMatcher(None, key(said), key(one)).ratio() for one in heard)
+def _nearest(book: "Phrasebook", names: Sequence[str], said: str) -> list[str]:
+    """The few names that are most like what was said, by whatever they are called."""
+    forms: dict[str, str] = {}
+    for name in names:
+        for one in (name, *book.word(name).heard):
+            forms.setdefault(key(one), name)
+    size = MOST_SPOKEN - 1
+    enough = size * max(1 + len(book.word(name).heard) for name in names)
+    near = most_alike(key(said), forms, most=enough)
+    return list(dict.fromkeys(forms[one] for one in near))[:size]
 
 
 _UNITS = (("hours", "hour", 3600), ("minutes", "minute", 60), ("seconds", "second", 1))
@@ -183,6 +190,7 @@ class Phrasebook:
     small_talk: tuple[SmallTalk, ...] = ()
     declined: tuple[SmallTalk, ...] = ()
     acts: Mapping[str, HouseAct] = field(default_factory=dict)
+    cues: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     links: tuple[str, ...] = ()
     answers: AnswerWords = field(default_factory=AnswerWords)
     smoothing: tuple[Rewriting, ...] = ()

@@ -212,3 +212,4 @@ class HouseAct:
     words: tuple[str, ...]
     cannot: str
     by: tuple[str, ...] = ()
+    in_place: bool = False

@@ -79,9 +79,7 @@ class OneOf:
 
     def spoken(self) -> dict[str, str]:
         """Everything that may be said for a word, in lower case and with spaces, to that word."""
-        return {_plain(said): word for said, word in self.aliases.items()} | {
-            _plain(word): word for word in self.words
-        }
+        return dict(_spoken(tuple(self.aliases.items()), self.words))
 
     def _pick(self, value: Any) -> str:
         spoken = self.spoken()
@@ -109,6 +107,11 @@ class NewName:
 
     A sentence gives it without its article; the `places` of a phrasebook are usual ones.
     """
+
+
+@lru_cache(maxsize=64)
+def _spoken(aliases: tuple[tuple[str, str], ...], words: tuple[str, ...]) -> Mapping[str, str]:
+    return {_plain(said): word for said, word in (*aliases, *zip(words, words, strict=True))}
 
 
 @lru_cache(maxsize=4096)

@@ -4,13 +4,13 @@
 one shuts, the articles and the plurals of all languages count, whichever is spoken.
 """
 
-import difflib
 import unicodedata
 from collections.abc import Iterator, Mapping
 from functools import lru_cache
 from itertools import islice, product
 from typing import Any
 
+from edgevox.agent.text.alike import most_alike
 from edgevox.agent.text.spelling import key
 from edgevox.core.files.text import without_hidden
 from edgevox.core.languages import EVERY_LANGUAGE
@@ -74,8 +74,7 @@ def names_near(name: str, known: Mapping[str, str]) -> tuple[str, ...]:
     if len(form) < _SHORTEST_SLIP or any(one.isdigit() for one in form):
         return ()
     forms = {name_form(one): word for one, word in known.items()}
-    near = difflib.get_close_matches(form, forms, n=1, cutoff=_NEAR)
-    return tuple(forms[one] for one in near)
+    return tuple(forms[one] for one in most_alike(form, forms, least=_NEAR))
 
 
 def is_same_name(one: str, other: str) -> bool:

@@ -61,6 +61,7 @@ def folded(text: str) -> str:
     return text if text.isascii() else "".join(map(_bare, text))
 
 
+@lru_cache(maxsize=16_384)
 def key(text: str) -> str:
     """The key that two spellings of one word share."""
     plain = folded(separated(one_form(text.replace("_", " "))))

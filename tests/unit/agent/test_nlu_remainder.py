@@ -4,9 +4,12 @@
 and no reading of it may be done or asked about.
 """
 
+import itertools
 from functools import cache
+from pathlib import Path
 
 import pytest
+import yaml
 from corpus_robots import skills_of_robots
 from few_languages import few
 from hypothesis import given
@@ -76,6 +79,24 @@ def to_kitchen(code: str) -> str:
     """The plain order to go to the kitchen."""
     book = phrasebook(code)
     return book.programs.go.replace("{place}", book.word("kitchen").heard[0])
+
+
+DENIALS = yaml.safe_load(Path(__file__).with_name("denials.yaml").read_text("utf-8"))
+ROOMS = ("kitchen", "living_room", "bedroom", "office")
+
+
+def denials(code: str) -> list[str]:
+    places = [phrasebook(code).word(room).to for room in ROOMS]
+    said = itertools.product(DENIALS[code]["front"], DENIALS[code]["denials"], places)
+    return [front + denial.format(to=place) for front, denial, place in said]
+
+
+@pytest.mark.parametrize("code", CODES)
+def test_a_hundred_denials_of_a_drive_begin_nothing_and_ask_nothing(code: str) -> None:
+    said = denials(code)
+    assert len(set(said)) >= 100
+    assert [one for one in said if not is_nothing("apartment", code, one)] == []
+    assert [one for one in said if is_program("apartment", code, one)] == []
 
 
 def joined(code: str, *parts: str) -> str:

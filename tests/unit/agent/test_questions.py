@@ -11,6 +11,7 @@ from edgevox.agent.nlu.questions import (
     WorldWords,
     asks,
     asks_whether,
+    cued,
     is_about_hearer,
     question_of,
 )
@@ -43,6 +44,36 @@ def test_other_words_for_a_question_are_read_by_what_they_name_and_weigh(body, t
     assert read(body, text) == ASKED[body, text]
 
 
+@pytest.mark.parametrize(
+    ("body", "text", "call"),
+    [
+        ("apartment", "tell me, from here, is the bedroom far?", BEDROOM),
+        ("apartment", "which of the rooms is the farthest?", Call("nearest_place", {})),
+        ("apartment", "do you need charging soon?", Call("battery", {})),
+        ("apartment", "is there something standing in front of you?", Call("what_is_ahead", {})),
+        ("panda", "the left bin, is it full?", Call("what_is_there", {"target": "left_bin"})),
+        ("panda", "can you reach the red cube?", Call("how_far_is_thing", {"object": "red_cube"})),
+        ("humanoid", "the speed that you walk at, what is it?", Call("how_fast", {})),
+    ],
+)
+def test_a_question_is_known_by_its_own_words_in_any_order(body, text, call):
+    assert cued(text, READINGS[body].lexicon) == call
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "how long does a film in the kitchen run and who sells popcorn",
+        "how fast can you be in the kitchen and the office?",
+        "you're needed where the kitchen is",
+        "the battery is in the kitchen",
+        "what can you tell me about the history of Paris",
+    ],
+)
+def test_a_question_with_words_or_names_of_something_else_is_none_by_its_words(text):
+    assert cued(text, READINGS["apartment"].lexicon) is None
+
+
 @pytest.mark.parametrize("body", BODIES)
 @pytest.mark.parametrize(
     "text",
@@ -63,6 +94,7 @@ def test_other_words_for_a_question_are_read_by_what_they_name_and_weigh(body, t
 )
 def test_what_is_no_question_to_this_robot_is_not_read_as_one(body, text):
     assert read(body, text) is None
+    assert cued(text, READINGS[body].lexicon) is None
 
 
 @pytest.mark.parametrize(

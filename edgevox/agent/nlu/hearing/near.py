@@ -16,7 +16,10 @@ import numpy as np
 from edgevox.agent.nlu.hearing.network import Network, Path, Sentences
 from edgevox.agent.nlu.hearing.sounds import Phonemes, Sounds, SpanTable, sounds_of
 from edgevox.agent.nlu.hearing.wordings import bare_name
+from edgevox.agent.nlu.lexicon import words_of
 from edgevox.agent.nlu.meaning import HEARD_FROM
+from edgevox.agent.nlu.templates import usual_places
+from edgevox.agent.phrases.load import phrasebook
 from edgevox.agent.phrases.numbers import digits
 from edgevox.agent.phrases.phrasebook import Phrasebook
 from edgevox.agent.skills import STOP, Call, Skill, SkillSet
@@ -158,6 +161,12 @@ class NearCommands:
         self._book = book
         self._phonemes = phonemes
         self._articles = frozenset(book.hearing.articles)
+        acts = phrasebook(book.code).acts.values()
+        usual = (*usual_places(book.code), *(words for one in acts for words in one.words))
+        self._usual = frozenset(word for one in usual for word in key(one).split())
+        self._small = frozenset(
+            word for one in words_of(book.code).all() for word in key(one).split()
+        )
         self._words: object = None
         self._network = Network((), {}, self._sounds)
         self._last: tuple[object, NearCommand | None] | None = None
@@ -201,6 +210,7 @@ class NearCommands:
             and min(others, default=_LEAD) >= _LEAD
             and mass >= _CLEAR_MASS
             and not self._swaps_a_word(first.heard.text, first.path)
+            and not self._swaps_sure_words(first, several)
         )
         if rate:
             rated = self._rated(found, several, rate)
@@ -221,7 +231,7 @@ class NearCommands:
             heard=best.heard,
             sure=sure or (clear and best.heard.confidence >= HEARD_FROM),
             likely=likely or clear,
-            alone=best.path.of.alone,
+            alone=best.path.of.alone and not self._says_another(best),
         )
 
     def _rated(
@@ -255,9 +265,7 @@ class NearCommands:
         if farther > _FARTHEST_ASKED:
             return None
         words, confidence = len(self._spoken(best.path.words)), best.heard.confidence
-        swaps_sure_words = several[0].confidence >= _SURE_WORDS and (
-            bool(differences[first]) or best.heard is not several[0]
-        )
+        swaps_sure_words = self._swaps_sure_words(best, several)
         likely = (
             1.0 / (1.0 + rest) >= _RATED_CLEAR
             and farther <= min(_FARTHER * max(1, swapped), _FARTHEST)
@@ -271,6 +279,13 @@ class NearCommands:
             and not self._swaps_a_known_word(differences[first], best.path)
         )
         return best, likely, sure
+
+    def _swaps_sure_words(self, one: _Candidate, several: Sequence[Hypothesis]) -> bool:
+        """True if the sentence has other words than what was surely heard."""
+        swapped = one.heard is not several[0]
+        return several[0].confidence >= _SURE_WORDS and (
+            swapped or bool(self._differences(one.heard.text, one.path.words))
+        )
 
     def _swaps_a_word(self, heard: str, path: Path) -> bool:
         """True if words that were heard sound unlike what the sentence has in their place.
@@ -288,14 +303,21 @@ class NearCommands:
     def _swaps_a_known_word(self, differences: Sequence[_Difference], path: Path) -> bool:
         """True if the sentence has another word for one that the robot knows, or more of a value.
 
-        A medium roast is not iced, and a mocha is no iced mocha.
+        A medium roast is not iced, and a mocha is no iced mocha. The words of usual places and of
+        what people ask for in a house are known, too: a bathroom is no bedroom.
         """
         values = {word for _, value in path.values for word in self._spoken(value)}
         return any(
-            not self._network.words.isdisjoint(map(key, one.words))
+            not (self._network.words | self._usual).isdisjoint(map(key, one.words))
             or (not one.words and not values.isdisjoint(map(key, one.said)))
             for one in differences
         )
+
+    def _says_another(self, one: _Candidate) -> bool:
+        """True if each word that the sentence has another for is known: "salut" is no "salon"."""
+        differences = self._differences(one.heard.text, one.path.words)
+        words = {key(word) for each in differences for word in each.words}
+        return bool(words) and words <= self._usual | self._small
 
     def _differences(self, heard: str, sentence: str) -> list[_Difference]:
         """Where the words of a sentence differ from what was heard, but for articles."""
