@@ -31,6 +31,7 @@ from edgevox.agent.dialogue.question import OpenQuestion
 from edgevox.agent.nlu.interpreter import Interpreter
 from edgevox.core.bus import Bus
 from edgevox.core.clock import SystemClock
+from edgevox.core.commands import Rate
 from edgevox.core.speech import Ending
 from edgevox.models import ModelMissing, locate
 from edgevox.voice.audio import FULL_SCALE
@@ -88,7 +89,7 @@ def _figures(kind: str, sounds: Sequence[Sound], stt: SpeechToText) -> Iterator[
         room = Room(own_voice(at_s + 3.0, number), path, person(sound, path), at_s, yields=True)
         happened = listen_in(room, "cancel", stt, open_stop_spotter(locate(ENCODER)))
         ends = bool(happened.interrupted_s or happened.stopped_s) or not all(
-            encourages(one.text, one.confidence) for one in happened.heard
+            encourages(one.text, one.confidence, one.rate) for one in happened.heard
         )
         right += not ends if goes_on else ends
         if happened.held_s:
@@ -116,7 +117,7 @@ def _goes_on_after(happened: Happened, ending: Callable[[str], Ending]) -> Itera
         yield one.ended_s - happened.held_s[0] + silence_s
 
 
-def _encourages() -> Callable[[str, float], bool]:
+def _encourages() -> Callable[[str, float, Rate | None], bool]:
     """Whether words, heard so surely, let a robot go on that has asked nothing."""
     bus, clock = Bus(), SystemClock()
     agent = Agent("robot", "", skills_of_robots()["robot-apartment"])

@@ -349,8 +349,11 @@ class Conversation:
             return False
         held, self._held = self._held, None
         asks = held is not None and held.outcome is Outcome.ASKED
-        listens = not (asks or heard.spotted or self.is_stop(heard.text))
-        goes_on = listens and self._asking.encourages(heard.text, heard.confidence)
+        may_move = self._executor.busy or bool(self.programs.kept)
+        stops = heard.spotted or (may_move and self.is_stop(heard.text))
+        goes_on = not (asks or stops) and self._asking.encourages(
+            heard.text, heard.confidence, heard.rate
+        )
         if not goes_on and held is self._turn:
             self._stopping.interrupt("spoken over", Cause.BARGE_IN, motion=False)
         elif heard.text and goes_on:

@@ -1,4 +1,4 @@
-"""What the hearing adapter is worth: commands in noise, what is long, and noise alone."""
+"""What the hearing adapter is worth: commands in noise, what is long or short, noise alone."""
 
 import numpy as np
 import pytest
@@ -70,6 +70,13 @@ def test_in_noise_more_of_what_is_said_is_heard(adapted, plain):
     sounds = [(said, among_hiss(says(said), seed)) for seed, (said, says) in enumerate(spoken)]
 
     assert 3 * wrong(adapted, sounds) <= wrong(plain, sounds) > 0
+
+
+@pytest.mark.parametrize("word", ["Yeah.", "Wait."])
+def test_a_lone_word_of_less_than_half_a_second_is_heard(adapted, word):
+    sound = np.concatenate([silence(0.3), says_piper(word), silence(0.2)])
+
+    assert adapted.transcribe(sound, "en").text == word
 
 
 @pytest.mark.parametrize("says", [says_espeak, says_piper])

@@ -136,7 +136,8 @@ class Answers:
         }
         self._choosing = {**polite, **little, **instead, **ordinals}
         self._or = _joining(chain.from_iterable(one.or_ for one in tables), spaced=spaced)
-        self._yes = {**polite, **yes}
+        urging = chain.from_iterable(one.urging for one in tables)
+        self._yes = {**polite, **self._phrases(_AnswerPart.POLITE, urging), **yes}
         self._no = {**polite, **nots, **nos}
         self._taking_back = {**polite, **instead, **nos}
         self._negating = {**self._taking_back, **nots}

@@ -19,11 +19,13 @@ from edgevox.agent.nlu.meaning import ASK_FROM, HEARD_FROM, SURE_FROM, Meaning
 from edgevox.agent.nlu.templates import RefusedCommand
 from edgevox.agent.policy import NeedsConfirmation, Rule
 from edgevox.agent.skills import STOP, Call
-from edgevox.agent.stop.words import denies_stop
+from edgevox.agent.stop.words import denies_stop, find_stop_word
 from edgevox.agent.text.words import continued
 from edgevox.agent.turn import Turn
 from edgevox.core.agent_events import ConfirmationStatus
+from edgevox.core.commands import Rate
 from edgevox.core.events import Outcome
+from edgevox.core.languages import STOP_WORDS
 from edgevox.core.settings import Confirm
 
 WHETHER_IN, WHERE = "are_you_in", "get_pose"
@@ -40,6 +42,11 @@ yes moves it. Of 58 yeses by the tuning voices, in quiet and in noise, 55 were s
 FOLLOWS_FROM, ANSWERS_FROM, DENIES_FROM = 0.6, 0.4, 0.3
 """Recognition confidence from which words without the wake word count: orders and corrections, a
 yes to its question, about which it asks again below `YES_FROM`, and a no, which moves nothing."""
+
+_USUAL_STOPS, _USUAL_BACK_CHANNELS, _FAR_MORE_LIKE = 3, 8, 2.0
+"""Words of each kind that are rated by the sound, and by how much more likely, in nats, one that
+encourages must be. Of 22 stop words by the tuning voices over the robot's own, one sounded so much
+like another; it was spotted, and surely heard."""
 
 _FEW_WORDS, _LETTERS = 3, 2
 """So many words may be a mumble; in a script without spaces, of so many characters each."""
@@ -106,25 +113,45 @@ class Asking:
         plain = self._interpreter.plain(text)
         return isinstance(plain, Meaning) and plain.sure
 
-    def encourages(self, text: str, hearing: float) -> bool:
+    def encourages(self, text: str, hearing: float, rate: Rate | None = None) -> bool:
         """True if words over the robot's speech want it to go on: "mm-hm", laughter. Any thread.
 
-        A few words that mean nothing to it and were hardly heard are taken for such: Whisper writes
-        "shore" for "sure". `hearing` is how surely they were heard, from 0 to 1.
+        A few words that were hardly heard are taken for such if they mean nothing to it (Whisper
+        writes "shore" for "sure"), or if the sound is far more like a word that encourages: Whisper
+        expects stop words, and writes "halt" for "uh-huh".
+        `hearing` is how surely they were heard, from 0 to 1, and `rate` rates texts by the sound.
         """
         if self.question.asked:
             return False
-        return self._encourages(text) or (hearing < HEARD_FROM and self._means_nothing(text))
+        if self._encourages(text):
+            return True
+        if hearing >= HEARD_FROM or not self._is_short(text):
+            return False
+        if self._means_nothing(text):
+            return True
+        return rate is not None and self._sounds_encouraging(text, rate)
+
+    def _is_short(self, text: str) -> bool:
+        spaced = self._interpreter.phrases.hearing.spaced
+        return (len(text.split()) if spaced else len(text) / _LETTERS) <= _FEW_WORDS
 
     def _means_nothing(self, text: str) -> bool:
-        """True for a few words that are no answer, no correction and no plain command."""
-        spaced = self._interpreter.phrases.hearing.spaced
+        """True for words that are no answer, no correction, no plain command and no stop."""
         return (
-            (len(text.split()) if spaced else len(text) / _LETTERS) <= _FEW_WORDS
-            and self._answers.read(text) is None
+            self._answers.read(text) is None
             and not self._answers.may_correct(text)
             and self._interpreter.plain(text) is None
+            and find_stop_word(self._interpreter.phrases.code, text) is None
         )
+
+    def _sounds_encouraging(self, text: str, rate: Rate) -> bool:
+        """True if the sound is far more like an encouragement than like these words or a stop."""
+        book = self._interpreter.phrases
+        stops = STOP_WORDS[book.code].anywhere[:_USUAL_STOPS]
+        listens = book.hearing.back_channels[:_USUAL_BACK_CHANNELS]
+        rated = rate([text, *(f"{one.capitalize()}." for one in (*stops, *listens))])
+        others = 1 + len(stops)
+        return max(rated[others:]) >= max(rated[:others]) + _FAR_MORE_LIKE
 
     def _encourages(self, text: str) -> bool:
         said_yes = self._answers.read(text) is Answer.YES

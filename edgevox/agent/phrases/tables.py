@@ -141,7 +141,8 @@ class Hearing:
     hesitations: tuple[str, ...] = ()
     """Sounds of somebody who looks for words, each letter as long as may be: "uh"."""
     back_channels: tuple[str, ...] = ()
-    """What people say while they listen, and want the speaker to go on: "mm-hm", "I see"."""
+    """What people say while they listen, and want the speaker to go on: "mm-hm", "I see". The first
+    few are compared with the sound."""
     openers: tuple[str, ...] = ()
     """Words that open a sentence and mean nothing to a robot: "and then"."""
     denials_follow: bool = False
@@ -157,6 +158,7 @@ class AnswerWords:
     not_: tuple[str, ...] = ()
     drop: tuple[str, ...] = ()
     polite: tuple[str, ...] = ()
+    urging: tuple[str, ...] = ()
     little: tuple[str, ...] = ()
     instead: tuple[str, ...] = ()
     or_: tuple[str, ...] = ()

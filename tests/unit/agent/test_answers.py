@@ -48,6 +48,15 @@ def test_no_word_is_of_two_kinds_beside_english(code):
 
 
 @pytest.mark.parametrize("code", LANGUAGES)
+def test_urging_agrees_only_beside_a_yes(code):
+    words, answers = phrasebook(code).answers, answers_of(code)
+    for urging in words.urging:
+        assert answers.read(f"{words.yes[0]}, {urging}") is Answer.YES
+        assert answers.read(f"{words.no[0]}, {urging}") is None
+        assert urging in words.yes or answers.read(urging) is None
+
+
+@pytest.mark.parametrize("code", LANGUAGES)
 def test_no_answer_stops_the_robot_though_it_is_said_politely(code):
     words, safety = phrasebook(code).answers, SafetyWords(code)
     for said in (*words.yes, *words.no):

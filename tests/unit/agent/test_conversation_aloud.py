@@ -1,6 +1,7 @@
 """A conversation with speech output that plays as far as the test lets it."""
 
 import threading
+from collections.abc import Sequence
 
 import pytest
 from guards import HUNG_S
@@ -231,6 +232,42 @@ def test_a_few_words_that_mean_nothing_and_were_hardly_heard_do_not_end_its_answ
         assert rig.speech_output.utterances[0].token.cancelled is not goes_on
         rig.speech_output.played.set()
         rig.settle()
+
+
+@pytest.mark.parametrize(
+    ("confidence", "likeliest", "goes_on"),
+    [(0.7, "Okay.", True), (0.7, "Stop.", False), (0.9, "Okay.", False)],
+)  # fmt: skip
+def test_a_stop_that_was_hardly_heard_and_sounds_far_more_like_okay_lets_a_robot_that_stands_go_on(
+    confidence: float, likeliest: str, goes_on: bool
+) -> None:
+    with Rig() as rig:
+        rig.conversation.submit(TextInput("tell me a story"))
+        rig.speaks()
+        rig.conversation.submit(SpokenOver())
+        rig.conversation.submit(_heard_as_halt(confidence, likeliest))
+
+        assert rig.speech_output.utterances[0].token.cancelled is not goes_on
+        rig.speech_output.played.set()
+        rig.settle()
+
+
+def test_the_same_stops_a_robot_that_drives():
+    with Rig() as rig:
+        rig.conversation.submit(TextInput("drive on"))
+        assert rig.driving.wait(HUNG_S)
+        rig.speaks()
+        rig.conversation.submit(SpokenOver())
+        rig.conversation.submit(_heard_as_halt(0.7, "Okay."))
+
+        assert rig.goal_token.cancelled
+
+
+def _heard_as_halt(confidence: float, likeliest: str) -> Heard:
+    def rate(texts: Sequence[str]) -> Sequence[float]:
+        return [-6.0 if one == likeliest else -9.0 for one in texts]
+
+    return Heard("Halt!", ended_s=101.0, confidence=confidence, rate=rate, over=True)
 
 
 def test_a_stop_word_over_its_answer_stops_the_robot():

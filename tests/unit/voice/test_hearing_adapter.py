@@ -32,9 +32,10 @@ def test_a_model_that_is_not_there_is_an_error(tmp_path):
 @pytest.mark.parametrize(
     ("rows", "short", "listened_to"),
     [
-        (0, True, whisper.ROWS_AFTER),
-        (150, True, 150 + whisper.ROWS_AFTER),
-        (151, True, 152 + whisper.ROWS_AFTER),
+        (0, True, whisper.FEWEST_ROWS),
+        (96, True, whisper.FEWEST_ROWS),
+        (250, True, 250 + whisper.ROWS_AFTER),
+        (251, True, 252 + whisper.ROWS_AFTER),
         (900, True, 900 + whisper.ROWS_AFTER),
         (901, True, 3_000),
         (3_500, True, 3_000),
@@ -42,7 +43,7 @@ def test_a_model_that_is_not_there_is_an_error(tmp_path):
         (3_500, False, 3_000),
     ],
 )
-def test_with_it_no_more_is_listened_to_than_was_said(rows, short, listened_to):
+def test_with_it_little_more_is_listened_to_than_was_said(rows, short, listened_to):
     heard = np.ones((80, rows), np.float32)
 
     found = whisper.as_listened_to(heard, short)

@@ -9,6 +9,7 @@ from edgevox.voice.utterance_end import (
     MAX_S,
     ONSET_FRAMES,
     PRE_ROLL_S,
+    SURMISED_ONSET_FRAMES,
     SURMISED_S,
     Endpointer,
     SpeechBegan,
@@ -48,6 +49,15 @@ def test_an_utterance_has_the_times_of_its_first_and_last_voiced_sample():
     assert ended.ended_s == pytest.approx(50 * FRAME_S)
     assert ended_at == 50 + END_FRAMES - 1
     assert not ended.cut
+
+
+@pytest.mark.parametrize(("surmised", "begins"), [(range(18, 25), True), (range(24, 27), False)])
+def test_few_voiced_frames_begin_speech_only_in_a_surmised_voice(surmised, begins):
+    voiced = [0.9] * SURMISED_ONSET_FRAMES
+
+    found = run([0.0] * 22 + voiced + [0.0] * 40, surmised=surmised)
+
+    assert bool(found) is begins
 
 
 def test_the_sound_before_the_first_voiced_frame_is_kept():
