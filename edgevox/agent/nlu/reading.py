@@ -176,7 +176,7 @@ class CallReader:
         return kept, bool(denied - allowed)
 
     def _correcting(self, tokens: Words) -> frozenset[int]:
-        """Where words correct what is before them; "instead" of "instead of" denies what follows."""
+        """Where words correct what is before them: "instead", but not that of "instead of"."""
         found = self._negations.find(tokens)
         long = (range(at, at + len(one)) for at, one in found if len(one) > 1)
         return self._corrections.places(tokens).difference(*long)
