@@ -9,7 +9,7 @@ weights. Noise is mixed as in the published figures: scaled by the loudest 128 m
 passes voice activity, the end of an utterance, the product's Whisper, and the interpreter for the
 robot file `barista.yaml`. "right" is the whole order, unasked; a wrong motion is another order,
 unasked. A transcript is right if it has each slot's words; beside it stands the same Whisper
-without the product's adapter.
+without the product's adapter, to which no words are shown.
 """
 
 import argparse

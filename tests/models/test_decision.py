@@ -2,8 +2,10 @@
 
 from collections.abc import Sequence
 from functools import lru_cache
+from pathlib import Path
 
 import pytest
+import yaml
 from corpus_robots import is_right, skills_of_robots
 from corpus_sentences import Sentence, held_out, read_corpus, tuning
 
@@ -14,8 +16,7 @@ from edgevox.agent.nlu.templates import Recogniser, Understood
 from edgevox.agent.stop.words import find_stop_word
 from edgevox.models import locate
 
-MOST_WRONG_OF_500 = 1
-"""Wrong motions of all languages; the figures of today stand in docs/figures.md."""
+NO_ORDERS = yaml.safe_load(Path(__file__).with_name("no_orders.yaml").read_text("utf-8"))
 
 
 @lru_cache
@@ -49,7 +50,20 @@ def moved_wrongly(decider: Decider, sentences: Sequence[Sentence]) -> int:
 def test_nobody_is_driven_about_unasked(decider: Decider, half: object) -> None:
     sentences = half(read_corpus())[::4]  # type: ignore[operator]
 
-    assert moved_wrongly(decider, sentences) <= MOST_WRONG_OF_500
+    assert moved_wrongly(decider, sentences) == 0
+
+
+@pytest.mark.parametrize("robot", ["robot-apartment", "robot-humanoid"])
+@pytest.mark.parametrize("language", NO_ORDERS)
+def test_what_is_no_order_begins_no_motion(decider: Decider, language: str, robot: str) -> None:
+    skills = skills_of_robots()[robot]
+
+    def moves(says: str) -> bool:
+        decision = decide(decider, Sentence(says, robot, language, "none", ((),)))
+        called = decision.calls if decision and decision.sure else ()
+        return any(skills[call.skill].drives for call in called if call.skill in skills)
+
+    assert [says for says in NO_ORDERS[language] if moves(says)] == []
 
 
 @pytest.mark.parametrize(

@@ -104,7 +104,8 @@ def test_a_hundred_denials_of_a_drive_begin_nothing_and_ask_nothing(code: str) -
     [
         "no more turning to the left, please", "quit walking forward", "turn left instead of right",
         "stand instead of walking forward", "walk forward rather than turning left",
-        "that is enough turning left", "I decline to turn left",
+        "that is enough turning left", "I decline to turn left", "say turn left", "let me through",
+        "repeat after me turn left", "get ready to walk forward", "spell turn left",
     ],
 )  # fmt: skip
 @pytest.mark.parametrize("robot", ["humanoid", "apartment"])
