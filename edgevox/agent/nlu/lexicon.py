@@ -46,6 +46,8 @@ class FunctionWords:
     """Words about people or things other than the robot."""
     questions: tuple[str, ...] = ()
     """Words that open a question."""
+    inverted: tuple[str, ...] = ()
+    """Those of them that ask only where they open a clause: "you did well" is no question."""
     asking: tuple[str, ...] = ()
     """Words that open a polite order, which looks like a question."""
     wishes: tuple[str, ...] = ()

@@ -11,6 +11,7 @@ from functools import cache, cached_property
 from edgevox.agent.nlu.clauses import Name, find_names
 from edgevox.agent.nlu.decider import QUESTION_MARKS, Judged
 from edgevox.agent.nlu.lexicon import TOKEN, Lexicon, Words, is_mark, plain, words_of
+from edgevox.agent.phrases.load import phrasebook
 from edgevox.agent.phrases.numbers import digits
 from edgevox.agent.phrases.phrasebook import Phrasebook
 from edgevox.agent.skills import Call, Skill
@@ -85,11 +86,26 @@ def _cues(one: Skill, book: Phrasebook) -> list[tuple[tuple[re.Pattern[str], ...
 
 
 def _inquires(text: str, code: str) -> bool:
-    """True if the text has a question mark or a question word, and opens as no wish."""
+    """True if the text has a question mark or a question word that asks, and opens as no wish."""
     words, said = words_of(code), f"{plain(text)} "
     if any(said.startswith(f"{plain(one)} ") for one in words.wishes):
         return False
-    return any(mark in text for mark in QUESTION_MARKS) or _holds(text, words.questions, code)
+    if any(mark in text for mark in QUESTION_MARKS):
+        return True
+    anywhere = [one for one in words.questions if one not in words.inverted]
+    return _holds(text, anywhere, code) or _opens_a_clause(text, words.inverted, code)
+
+
+def _opens_a_clause(text: str, phrases: Iterable[str], code: str) -> bool:
+    """True if one of these phrases opens a clause, courtesies aside."""
+    small = {key(one) for one in phrasebook(code).answers.polite}
+    for clause in _MARKS.split(text):
+        said = key(clause).split()
+        while said and said[0] in small:
+            said.pop(0)
+        if any(f"{' '.join(said)} ".startswith(f"{key(one)} ") for one in phrases):
+            return True
+    return False
 
 
 def _joined(tokens: Iterable[str], code: str) -> str:
@@ -166,6 +182,7 @@ def _call(one: Skill, names: Sequence[Name]) -> Call | None:
     return None if lacks else Call(one.name, said)
 
 
+_MARKS = re.compile(r"[,;.!:]")
 _GROUP = re.compile(r"\(([^()]*)\)|([^\s()]+)")
 _SLOT = re.compile(r"\{\w+\}")
 

@@ -63,6 +63,19 @@ def test_a_question_is_known_by_its_own_words_in_any_order(body, text, call):
 @pytest.mark.parametrize(
     "text",
     [
+        "you did a great job today",
+        "your eyes are nice",
+        "your path is clear",
+        "you are moving well",
+    ],
+)
+def test_a_statement_is_no_question_by_its_words(text):
+    assert not any(cued(text, READINGS[body].lexicon) for body in READINGS)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
         "how long does a film in the kitchen run and who sells popcorn",
         "how fast can you be in the kitchen and the office?",
         "you're needed where the kitchen is",
