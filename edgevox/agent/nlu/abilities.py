@@ -94,14 +94,19 @@ def cannot_do(
 def _acts_behind(clause: str, book: Phrasebook) -> list[tuple[str, str]]:
     """The acts that an order names behind other words: "I am thirsty, Anna, fetch me a drink"."""
     words = clause.split()
-    denied = _whole([plain(one) for one in words_of(book.code).negations], spaced=True)
-    if not book.hearing.spaced or re.search(denied, clause):
+    if not book.hearing.spaced or re.search(_denials(book.code), clause):
         return []
     for at, before in enumerate(words[:-1], 1):
         found = [] if before in book.hearing.articles else _acts(" ".join(words[at:]), book.code)
         if found:
             return found
     return []
+
+
+@cache
+def _denials(code: str) -> str:
+    """A pattern of the words that deny, in a language with spaces."""
+    return _whole([plain(one) for one in words_of(code).negations], spaced=True)
 
 
 def _words_of(one: Skill, book: Phrasebook) -> set[str]:

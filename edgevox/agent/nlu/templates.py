@@ -459,7 +459,7 @@ class _TemplateReader:
                     self._answers.say("no_words", argument=self._answers.kind(name))
                 )
             spoken = {key(one): word for one, word in self._book.heard(choices).items()}
-            known = (*spoken, *(usual_places(self._book.code).keys() - spoken.keys()))
+            known = {**spoken, **usual_places(self._book.code)}  # always in the same order
             alike = most_alike(key(said), known, least=_NEAR)
             near = [one for one in alike if one in spoken]
             inflected = self._book.fallback is not None

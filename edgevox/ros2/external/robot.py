@@ -4,14 +4,12 @@ import math
 import threading
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from edgevox.agent.policy import Policy
 from edgevox.agent.skills import STOP, GoalHandle, OneOf, Result, Skill, SkillFailed
 from edgevox.agent.text.reasons import because, called_off
 from edgevox.core.cancel import Cancelled, CancelToken
@@ -44,7 +42,13 @@ from edgevox.ros2.external.navigation import (
     ZeroVelocity,
 )
 from edgevox.ros2.external.robot_node import RobotNode
-from edgevox.ros2.external.settings import FURTHEST_M, ExternalSettings, Location, SteeringLimits
+from edgevox.ros2.external.settings import (
+    FURTHEST_M,
+    DescribedRobot,
+    ExternalSettings,
+    Location,
+    SteeringLimits,
+)
 from edgevox.ros2.robot_file.format import BATTERY
 from edgevox.ros2.robot_file.skills import DescribedSkill
 from edgevox.ros2.robot_file.state import NO_STATES, RobotStates
@@ -58,7 +62,7 @@ _CLOSING_S = 1.0
 _WORLD = Bounds.around(MAP, FURTHEST_M)
 
 
-class ExternalRobot:
+class ExternalRobot(DescribedRobot):
     """A body in other processes: it is heard on topics and driven over them.
 
     Poses, goals and locations are in the map frame if /tf has one, else in the odometry's frame.
@@ -66,16 +70,6 @@ class ExternalRobot:
     else `cmd_vel`. Every method may be called from any thread; only `drive_to`, the skill `stop`
     and `close` block.
     """
-
-    name = "robot-external"
-    about = ""
-    """Its name and purpose, if its robot file gives them."""
-    own_policy: Path | Policy | None = None
-    """The policy that its file names or holds, for where no setting names one."""
-    skills_off: Mapping[str, str] = MappingProxyType({})
-    file_sentences: Mapping[tuple[str, str, str], str] = MappingProxyType({})
-    file_notes: Sequence[str] = ()
-    """What it has of a file; see `FromFile`."""
 
     def __init__(
         self,

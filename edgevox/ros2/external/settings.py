@@ -9,14 +9,16 @@ Metres and radians (counter-clockwise from x) in the map frame; `yaw` is the way
 """
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
+from types import MappingProxyType
 from typing import Annotated
 
 from pydantic import AfterValidator, Field, RootModel
 
+from edgevox.agent.policy import Policy
 from edgevox.agent.skills import OwnName
 from edgevox.agent.text.reasons import because
 from edgevox.core.files.user_file import read_text
@@ -213,3 +215,17 @@ def _location(file: YamlFile, name: str, entry: LocationEntry) -> Location:
     if entry.x is None or entry.y is None:
         raise file.wrong((name, "x" if entry.x is None else "y"), None, "metres, map frame")
     return Location(entry.x, entry.y, entry.yaw, entry.aliases, entry.names)
+
+
+class DescribedRobot:
+    """What every `robot-external` has of its robot file, if it has one."""
+
+    name = "robot-external"
+    about = ""
+    """Its name and purpose, if its robot file gives them."""
+    own_policy: Path | Policy | None = None
+    """The policy that its file names or holds, for where no setting names one."""
+    skills_off: Mapping[str, str] = MappingProxyType({})
+    file_sentences: Mapping[tuple[str, str, str], str] = MappingProxyType({})
+    file_notes: Sequence[str] = ()
+    """What it has of a file; see `FromFile`."""

@@ -1,38 +1,26 @@
 """`robot-external` for a robot that does not drive, such as an arm or a lift."""
 
 from collections.abc import Mapping, Sequence
-from pathlib import Path
-from types import MappingProxyType
 from typing import Any
 
-from edgevox.agent.policy import Policy
 from edgevox.agent.skills import GoalHandle, Result, Skill, skill
 from edgevox.core.clock import Clock, SystemClock
 from edgevox.robots.capabilities import HasBattery
 from edgevox.robots.facts import battery_skill
 from edgevox.ros2.agent_node_handle import AgentNodeHandle
 from edgevox.ros2.contract import EXTERNAL_NODE
+from edgevox.ros2.external.settings import DescribedRobot
 from edgevox.ros2.node import RosNode
 from edgevox.ros2.robot_file.skills import DescribedSkill
 from edgevox.ros2.robot_file.state import NO_STATES, RobotStates
 from edgevox.ros2.stamps import NS_PER_S
 
 
-class StationaryRobot:
+class StationaryRobot(DescribedRobot):
     """A body without pose or velocity, such as an arm, and so without topics of the contract.
 
     Its node has only the interfaces of its skills. It moves only by goals, which every stop ends.
     """
-
-    name = "robot-external"
-    about = ""
-    """Its name and purpose, if its robot file gives them."""
-    own_policy: Path | Policy | None = None
-    """The policy that its file names or holds, for where no setting names one."""
-    skills_off: Mapping[str, str] = MappingProxyType({})
-    file_sentences: Mapping[tuple[str, str, str], str] = MappingProxyType({})
-    file_notes: Sequence[str] = ()
-    """What it has of a file; see `FromFile`."""
 
     def __init__(
         self,
