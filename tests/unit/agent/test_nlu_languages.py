@@ -11,7 +11,10 @@ from edgevox.core.languages import LANGUAGES
 
 NEEDLESS = {"ja": {"reversals"}}
 """Japanese says in the verb what is done first."""
-OWN = {"wishes", "reasons", "plans", "pronouns", "linking", "gerunds", "copulas", "misheard"}
+OWN = {
+    *("wishes", "reasons", "plans", "pronouns", "linking", "gerunds", "copulas", "misheard"),
+    "inverted",
+}
 """What helps to read more orders, where it is listed, and holds nothing back where it is not."""
 
 
