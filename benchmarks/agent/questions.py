@@ -20,8 +20,8 @@ from benchmarks.core.figures import Figure, Measured
 from edgevox.apps.agent.build import build_parts, start_parts
 from edgevox.apps.robots import build_body
 from edgevox.core.agent_events import Confirmation, ToolCalled
-from edgevox.core.commands import Reset, TextInput
-from edgevox.core.events import Responded, TurnEnded
+from edgevox.core.commands import Command, Reset, TextInput
+from edgevox.core.events import Responded, TurnEnded, TurnMeasured
 from edgevox.core.settings import NO_LLM, load_settings
 from edgevox.robots.capabilities import Advances, Body, TellsMotions
 
@@ -82,28 +82,44 @@ class Robot:
     def __init__(self, name: str, body: Body, parts: Any) -> None:
         self._name, self._body, self._parts = name, body, parts
         self._seen: list[Any] = []
-        parts.bus.subscribe(Responded | TurnEnded | ToolCalled | Confirmation, self._seen.append)
+        seen = Responded | TurnMeasured | TurnEnded | ToolCalled | Confirmation
+        parts.bus.subscribe(seen, self._seen.append)
 
     def ask(self, kind: str, row: Mapping[str, Any]) -> Asked:
         """Ask the question of this row, and judge its answer."""
-        self._parts.conversation.submit(Reset())
-        self._parts.conversation.wait_idle(_ANSWER_S)
-        self._body.reset()
-        self._pass(_STEP_S)
+        self.begin()
         for said in row.get("after", ()):
-            self._say(said)
+            self.say(said)
             self._arrive()
         if under_way := row.get("during"):
-            self._say(under_way)
+            self.say(under_way)
             self._pass(_UNDER_WAY_S)
-        before, moving = len(self._seen), self._moving
-        began_s = time.monotonic()
-        self._say(row["said"])
+        moving, began_s = self._moving, time.monotonic()
+        seen = self.say(row["said"])
         took_s = time.monotonic() - began_s
-        seen = self._seen[before:]
         answer = " ".join(one.written for one in seen if isinstance(one, Responded))
         wrong = _judge(row, answer) or self._harm(seen, moving=moving)
         return Asked(self._name, kind, row["said"], answer, wrong, took_s)
+
+    def begin(self) -> None:
+        """Begin a conversation, with the body where it starts."""
+        self.do(Reset())
+        self._body.reset()
+        self._pass(_STEP_S)
+
+    def do(self, command: Command) -> None:
+        """Give a command that is no words."""
+        self._parts.conversation.submit(command)
+        self._parts.conversation.wait_idle(_ANSWER_S)
+
+    def say(self, text: str) -> Sequence[Any]:
+        """Say it; the events until the turn has ended."""
+        before, turns = len(self._seen), self._count()
+        self._parts.conversation.submit(TextInput(text))
+        deadline_s = time.monotonic() + _ANSWER_S
+        while self._count() == turns and time.monotonic() < deadline_s:
+            time.sleep(0.002)
+        return self._seen[before:]
 
     def _harm(self, seen: Sequence[Any], *, moving: bool) -> str:
         if any(isinstance(one, Confirmation) for one in seen):
@@ -115,13 +131,6 @@ class Robot:
     @property
     def _moving(self) -> bool:
         return isinstance(self._body, TellsMotions) and self._body.in_motion
-
-    def _say(self, text: str) -> None:
-        turns = self._count()
-        self._parts.conversation.submit(TextInput(text))
-        deadline_s = time.monotonic() + _ANSWER_S
-        while self._count() == turns and time.monotonic() < deadline_s:
-            time.sleep(0.002)
 
     def _count(self) -> int:
         return sum(isinstance(one, TurnEnded) for one in self._seen)
