@@ -157,8 +157,7 @@ def _half(said: str) -> str:
 
 
 UNKNOWN = re.compile(
-    r"do(n't| not) (know|have)|not (know|sure)|can(not|'t)|unable|no (idea|access)|not understand",
-    re.IGNORECASE,
+    r"\bI(?: do not| don't| cannot| can't|'m not| am not| did not)\b|^Sorry\b", re.IGNORECASE
 )
 
 
@@ -167,11 +166,11 @@ def _judge(row: Mapping[str, str], answer: str) -> str:
     unknown = bool(UNKNOWN.search(answer))
     if "right" not in row:
         return "right" if unknown else "wrong"
+    if unknown:
+        return "unknown"
     right = re.search(row["right"], answer, re.IGNORECASE)
-    lacks = row.get("lacks", "(?!)")
-    if right and not re.search(lacks, answer, re.IGNORECASE):
-        return "right"
-    return "unknown" if unknown else "wrong"
+    lacks = re.search(row.get("lacks", "(?!)"), answer, re.IGNORECASE)
+    return "right" if right and not lacks else "wrong"
 
 
 def _fault(faults: Mapping[str, Sequence[str]], answer: str) -> str:

@@ -1,9 +1,10 @@
 """Train the head that tells orders from everything else that is said: `edgevox/agent/nlu/head.npz`.
 
 Reads the tuning half of `tests/corpus`, and `sentences.yaml` and `cases` beside it that were
-written for it; nothing of the half that is held out. Two
+written for it; nothing of the half that is held out. Three
 logistic regressions, by Newton's method, so that every run gives the same file. The second one
-learns from likelihoods of the first one that never saw the sentence.
+learns from likelihoods of the first one that never saw the sentence. The third one, of
+`questions.yaml`, tells what a language model may answer.
 
     python -m training.decision.train [FILE]
 """
@@ -30,6 +31,7 @@ from edgevox.models import locate
 
 HEAD = ROOT / "edgevox" / "agent" / "nlu" / HEAD_FILE
 MORE = Path(__file__).with_name("sentences.yaml")
+QUESTIONS = Path(__file__).with_name("questions.yaml")
 CASES = Path(__file__).with_name("cases")
 FOLDS = 10
 ORDER_PENALTY, PENALTY = 30.0, 1.0
@@ -158,6 +160,20 @@ def train(encoder: Encoder, show: bool = False) -> dict[str, object]:
     }
 
 
+def train_general(encoder: Encoder) -> dict[str, object]:
+    """The arrays of the regression that tells questions about the world in general."""
+    data = yaml.safe_load(QUESTIONS.read_text(encoding="utf-8"))
+    rows = [(says, kind == "general") for kind, several in data.items() for says in several]
+    raw = np.array([encoder.features(says) for says, _ in rows], np.float64)
+    mean, spread = raw.mean(0), raw.std(0) + 1e-6
+    wanted = np.array([general for _, general in rows], float)
+    found = logistic((raw - mean) / spread, wanted, ORDER_PENALTY)
+    return {
+        "general_weights": (found[:-1] / spread).astype(np.float32),
+        "general_bias": np.float64(found[-1] - (found[:-1] * mean / spread).sum()),
+    }
+
+
 def report(cases: list[Case], likely: Floats, right: Floats) -> None:
     """What the head says of sentences that it was not trained with, as far as it may decide."""
     free = np.array([not one.held_back for one in cases])
@@ -183,7 +199,8 @@ def hash_of(text: str) -> int:
 def main() -> int:
     """Train, say how well it tells what it was not trained with, and write the file."""
     place = Path(sys.argv[1]) if len(sys.argv) > 1 else HEAD
-    arrays = train(Encoder(locate(ENCODER)), show=True)
+    encoder = Encoder(locate(ENCODER))
+    arrays = train(encoder, show=True) | train_general(encoder)
     with place.open("wb") as file:
         np.savez(file, **arrays)  # type: ignore[arg-type]
     print(f"{place}: {place.stat().st_size} bytes")

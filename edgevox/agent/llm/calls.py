@@ -5,9 +5,10 @@ import re
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
-from edgevox.agent.llm.grammar import DO, END, HANDOFF, JOINT, SAY, grammar, literal
+from edgevox.agent.llm.grammar import DO, END, HANDOFF, JOINT, SAY, choice_grammar, grammar, literal
 from edgevox.agent.llm.language_model import ChatMessage
-from edgevox.agent.llm.prompt import examples, system_prompt
+from edgevox.agent.llm.prompt import Shown, examples, system_prompt, talk_examples, talk_prompt
+from edgevox.agent.phrases.load import phrasebook
 from edgevox.agent.phrases.numbers import digits
 from edgevox.agent.skills import NO_SKILLS, Call, SkillSet
 from edgevox.agent.text.spelling import key
@@ -49,10 +50,12 @@ class OutputParser:
 class Protocol:
     """The common language of one agent and its model.
 
-    `opening` holds the first messages of every chat: the instructions, the skills and examples.
-    `grammar` is the grammar of the model's output, which `OutputParser` reads. For a sentence that
-    is no order the interpreter uses `words_grammar`, which allows only words and hand-overs. All
-    are made for the present `words` of the arguments.
+    `opening` holds the first messages of a chat in which the model may make calls: the
+    instructions, the skills and examples. `grammar` is the grammar of its output, which
+    `OutputParser` reads; `words_grammar` allows only words and hand-overs. `talk` is the opening
+    where it only talks; it shows no calls. `small_talk` allows nothing but the answers of the
+    language's small talk, and that it was not understood. All are made for the present `words` of
+    the arguments.
     """
 
     instructions: str
@@ -62,25 +65,38 @@ class Protocol:
     words: tuple[tuple[tuple[str, str], ...], ...] = field(init=False)
     grammar: str = field(init=False)
     words_grammar: str = field(init=False)
+    small_talk: str = field(init=False)
     opening: tuple[ChatMessage, ...] = field(init=False)
+    talk: tuple[ChatMessage, ...] = field(init=False)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "words", self.skills.words())
         object.__setattr__(self, "grammar", grammar(self.skills, self.handoffs))
         object.__setattr__(self, "words_grammar", grammar(NO_SKILLS, self.handoffs))
-        system = ChatMessage(
-            "system", system_prompt(self.instructions, self.skills, self.handoffs, self.language)
-        )
-        shown: list[ChatMessage] = []
-        for example in examples(self.skills, self.handoffs, self.language):
-            answer = (
-                self.render_calls(example.calls) if example.calls else self.render(example.says)
-            )
-            shown += [
-                ChatMessage("user", self.prepare(example.sentence)),
+        book = phrasebook(self.language)
+        answers = [one.answer for one in book.small_talk]
+        chosen = dict.fromkeys([*answers, book.say("not_understood")])
+        object.__setattr__(self, "small_talk", choice_grammar([*chosen]))
+        system = system_prompt(self.instructions, self.skills, self.handoffs, self.language)
+        shown = examples(self.skills, self.handoffs, self.language)
+        object.__setattr__(self, "opening", self._opening(system, shown))
+        talk = talk_prompt(self.instructions, self.language)
+        object.__setattr__(self, "talk", self._opening(talk, talk_examples(self.language)))
+
+    def _opening(self, system: str, shown: Sequence[Shown]) -> tuple[ChatMessage, ...]:
+        messages = [ChatMessage("system", system)]
+        for one in shown:
+            answer = self.render_calls(one.calls) if one.calls else self.render(one.says)
+            messages += [
+                ChatMessage("user", self.prepare(one.sentence)),
                 ChatMessage("assistant", answer),
             ]
-        object.__setattr__(self, "opening", (system, *shown))
+        return tuple(messages)
+
+    @property
+    def acts(self) -> bool:
+        """True if the model can make calls or hand over."""
+        return bool(self.handoffs) or any(one.callable_now for one in self.skills.values())
 
     def renewed(self) -> "Protocol":
         """Itself, or another if words were learned or forgotten since it was made."""

@@ -64,6 +64,21 @@ def system_prompt(
     return "\n".join([*lines, *_spoken_in(language)])
 
 
+def talk_prompt(instructions: str, language: str = ENGLISH) -> str:
+    """The role, and how to answer questions about the world in general, in that language."""
+    unknown = phrasebook(language).say("not_known")
+    rule = f'Answer in one short sentence. If you cannot know it, say "{unknown}"'
+    return "\n".join([instructions, "", rule, *_spoken_in(language)])
+
+
+def talk_examples(language: str = ENGLISH) -> Sequence[Shown]:
+    """Examples of small talk, and of questions that have an answer and that have none."""
+    book = phrasebook(language)
+    unknown = book.say("not_known")
+    asked = [Shown(one.asked, says=one.answer or unknown) for one in book.everyday]
+    return [*_said(book.small_talk), *asked]
+
+
 def _spoken_in(language: str) -> list[str]:
     if language == ENGLISH:
         return []

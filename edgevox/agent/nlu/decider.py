@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from edgevox.agent.nlu.clauses import ClauseReading, find_place
-from edgevox.agent.nlu.encoder import Head, SentenceReader
+from edgevox.agent.nlu.encoder import Floats, Head, SentenceReader
 from edgevox.agent.nlu.lexicon import Lexicon, Words, is_mark, is_number
 from edgevox.agent.nlu.meaning import ASK_FROM, SURE_FROM
 from edgevox.agent.nlu.reading import CallReader, Reading
@@ -467,7 +467,7 @@ class Decider:
     def __init__(self, encoder: SentenceReader, head: Head) -> None:
         self._encoder = encoder
         self._head = head
-        self._last: tuple[str, float] | None = None
+        self._last: tuple[str, Floats] | None = None
 
     def decide(self, judged: Judged | None, text: str) -> Decision | None:
         """The calls to do or to ask about; None if the sentence is no order."""
@@ -483,10 +483,20 @@ class Decider:
         """True if the sentence is an order to the hearer, of any content."""
         return self._order(text) > 0
 
+    def is_general(self, text: str) -> bool:
+        """True if general knowledge answers it: it asks about nothing here and now, nor about the
+        speaker or the robot.
+        """
+        return self._head.general(self._features(text)) > 0
+
     def _order(self, text: str) -> float:
-        """The order logit of a sentence; the last is kept, since several callers ask for it."""
+        """The order logit of a sentence."""
+        return self._head.order(self._features(text))
+
+    def _features(self, text: str) -> Floats:
+        """The encoder's features; the last are kept, since several callers ask for them."""
         if self._last is None or self._last[0] != text:
-            self._last = text, self._head.order(self._encoder.features(text))
+            self._last = text, self._encoder.features(text)
         return self._last[1]
 
 

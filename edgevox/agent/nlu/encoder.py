@@ -358,7 +358,11 @@ HEAD_FILE = "head.npz"
 
 @dataclass(frozen=True, slots=True)
 class Head:
-    """Two logistic regressions: one tells orders from other sentences, one judges a reading."""
+    """Three logistic regressions.
+
+    One tells orders from other sentences, one judges a reading, and one tells questions about the
+    world in general from those about what is here and now, the speaker and the robot.
+    """
 
     order_weights: Floats
     """Weights of the encoder's features, shape (size,)."""
@@ -374,10 +378,18 @@ class Head:
     """Likelihood from which on to ask."""
     sure: float
     """Likelihood from which on to act."""
+    general_weights: Floats
+    """Weights of the encoder's features in the third regression, shape (size,)."""
+    general_bias: float
+    """Bias of the third regression."""
 
     def order(self, features: Floats) -> float:
         """Logit of a sentence to be an order to the hearer."""
         return float(features @ self.order_weights + self.order_bias)
+
+    def general(self, features: Floats) -> float:
+        """Logit of a sentence to be answered by general knowledge."""
+        return float(features @ self.general_weights + self.general_bias)
 
     def likelihood(self, order: float, evidence: Mapping[str, float]) -> float:
         """Likelihood of a reading to be meant, from 0 to 1."""
@@ -406,4 +418,6 @@ def head_of(data: Mapping[str, Any]) -> Head:
         bias=float(data["bias"]),
         ask=float(data["ask"]),
         sure=float(data["sure"]),
+        general_weights=np.asarray(data["general_weights"], np.float32),
+        general_bias=float(data["general_bias"]),
     )

@@ -5,12 +5,12 @@ answers in words, hands over to another agent, and fills in arguments that take 
 sentence is an order; then the robot asks first.
 """
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 
 from edgevox.agent.agents import Agent, by_name
 from edgevox.agent.known import StateCondition
-from edgevox.agent.llm.calls import HANDOFF, Protocol
+from edgevox.agent.llm.calls import HANDOFF, OutputParser, Protocol
 from edgevox.agent.llm.language_model import ChatMessage, LanguageModel, ModelBusy, ModelFailed
 from edgevox.agent.llm.prompt import History, size_tokens
 from edgevox.agent.nlu.abilities import abilities, cannot_do, not_understood
@@ -30,6 +30,7 @@ from edgevox.agent.nlu.questions import (
     cued,
     is_about_hearer,
     question_of,
+    sentences_of,
 )
 from edgevox.agent.nlu.remainder import may_ask_whether
 from edgevox.agent.nlu.templates import Recogniser, RefusedCommand, Understood, refused
@@ -52,6 +53,8 @@ MAX_HANDOFFS = 3
 
 BACK = "go_back"
 """Name of the dialogue skill that leads back to where the last motion began."""
+
+_SPOKEN = (Outcome.ANSWERED, Outcome.INTERRUPTED)
 
 ANSWER_TOKENS = 160
 """Number of tokens that a model may generate for an answer or a sequence of calls."""
@@ -104,9 +107,10 @@ class Interpreter:
             a.name: Protocol(a.instructions, _for_models(a), a.handoffs, code) for a in agents
         }
 
-    def chat(self, text: str = "") -> list[ChatMessage]:
-        """The messages that the model would see for this utterance."""
-        opening = self._protocol().opening
+    def chat(self, text: str = "", *, acts: bool = False) -> list[ChatMessage]:
+        """The messages that the model would see for this utterance, if it `acts` or only talks."""
+        protocol = self._protocol()
+        opening = protocol.opening if acts or protocol.handoffs else protocol.talk
         said = [ChatMessage("user", text)] if text else []
         return [*opening, *self._history.messages(), *said]
 
@@ -178,8 +182,8 @@ class Interpreter:
         if not asks(text, self._code) and (unknown := self._unknown_place(text)):
             turn.say(unknown.reason, Outcome.REFUSED, detail=unknown.detail)
             return None
-        of_robot = self._model is None and is_about_hearer(text, self._code)
-        if asks(text, self._code) and (of_robot or self._world().named_in(text)):
+        known = self._world().named_in(text)
+        if asks(text, self._code) and (known or not self._is_general(text)):
             turn.say(self.phrases.say("not_known"))
             return None
         if self._model is None:
@@ -278,6 +282,12 @@ class Interpreter:
     def _ordered(self, text: str) -> bool:
         """True if the encoder takes the words for an order; false without one."""
         return self._decider is not None and self._decider.is_order(text)
+
+    def _is_general(self, text: str) -> bool:
+        """True if a model may answer from general knowledge."""
+        if self._decider is None or self._model is None:
+            return not is_about_hearer(text, self._code)
+        return self._decider.is_general(text)
 
     def _asked(self, text: str) -> Meaning | None:
         """The question to the robot that the words most likely ask, though no template fits."""
@@ -393,14 +403,10 @@ class Interpreter:
         return None
 
     def remember(self, said: str, turn: Turn, meaning: Meaning | None) -> None:
-        """Add an exchange to the history, unless it asked: a model would imitate the question."""
-        if turn.outcome is Outcome.ASKED:
-            return
-        protocol = self._protocols[self.active.name]
-        told = meaning and all(call.skill in meaning.agent.skills for call in meaning.calls)
-        calls = meaning.calls if meaning and told else ()
-        answer = protocol.render_calls(calls) if calls else protocol.render(turn.text)
-        self._history.add(said, answer, cut=turn.cut)
+        """Add what the model answered to the history; commands would only slow the next answer."""
+        if meaning is None and turn.tokens and turn.outcome in _SPOKEN:
+            answer = self._protocols[self.active.name].render(turn.text)
+            self._history.add(said, answer, cut=turn.cut)
 
     def forget(self) -> None:
         """Clear the history and go back to the first agent."""
@@ -408,12 +414,17 @@ class Interpreter:
         self.active = next(iter(self._agents.values()))
 
     def _ask_model(self, model: LanguageModel, text: str, turn: Turn) -> Meaning | None:
-        ordered = self._ordered(text)
+        ordered, general = self._ordered(text), self._is_general(text)
         had: list[str] = []  # so that two agents cannot hand over forever
         while len(had) <= MAX_HANDOFFS:
             had.append(self.active.name)
             protocol = self._protocol().without(had)
-            calls = self._generate(model, protocol, text, turn, ordered=ordered)
+            if protocol.handoffs or (ordered and protocol.acts and not general):
+                calls = self._generate(model, protocol, text, turn, ordered=ordered)
+            else:
+                self._talk(model, protocol, text, turn, ordered=ordered)
+                self._say_unknown(text, turn)
+                return None
             handoffs = [call for call in calls if call.skill == HANDOFF]
             if calls and not handoffs:
                 if self._leaves_out(calls, text):
@@ -421,8 +432,7 @@ class Interpreter:
                     return None
                 return Meaning(self.active, tuple(calls), "model", ASK_FROM)
             if not calls:
-                if not turn.text and not turn.token.cancelled:  # only forbidden calls
-                    self._say_not_understood(turn)
+                self._say_unknown(text, turn)
                 return None
             self._hand_over(self._agents[str(handoffs[0].arguments["agent"])], turn)
         turn.say(self.phrases.say("nobody"), Outcome.FAILED)
@@ -451,6 +461,15 @@ class Interpreter:
         told = "" if known else self.phrases.say("no_ability")
         turn.say(f"{told} {can}".strip(), detail=detail)
 
+    def _say_unknown(self, text: str, turn: Turn) -> None:
+        """Say that this is not known or not understood, unless something was said."""
+        if turn.text or turn.token.cancelled:
+            return
+        if asks(text, self._code) or (self._is_general(text) and not self._ordered(text)):
+            turn.say(self.phrases.say("not_known"))
+        else:
+            self._say_not_understood(turn)
+
     def _say_not_understood(self, turn: Turn) -> None:
         told, detail = not_understood(self.phrases, self._every_skill())
         turn.say(told, Outcome.NOT_UNDERSTOOD, detail=detail)
@@ -458,19 +477,48 @@ class Interpreter:
     def _generate(
         self, model: LanguageModel, protocol: Protocol, text: str, turn: Turn, *, ordered: bool
     ) -> Sequence[Call]:
-        parser = protocol.parser()
+        """The calls that the model makes; what it says instead is said if it claims nothing."""
+        chat = self.chat(protocol.prepare(text), acts=True)
+        grammar = protocol.grammar_of(ordered=ordered)
+        calls = self._stream(model, chat, grammar, turn, self._claims(text))
+        return protocol.allowed(calls, text, ordered=ordered)
+
+    def _talk(
+        self, model: LanguageModel, protocol: Protocol, text: str, turn: Turn, *, ordered: bool
+    ) -> None:
+        """Have the model answer a general question, or choose an answer of the small talk.
+
+        An order that nothing understood gets neither.
+        """
+        chat = self.chat(text)
+        if self._is_general(text):
+            self._stream(model, chat, protocol.words_grammar, turn, self._claims(text))
+        elif not ordered:
+            answers = {s for one in self.phrases.small_talk for s in sentences_of(one.answer)}
+            self._stream(model, chat, protocol.small_talk, turn, lambda said: said not in answers)
+
+    def _claims(self, text: str) -> Callable[[str], bool]:
+        """Tells which sentences of an answer to these words claim what no model knows."""
+        world = self._world()
         about = asks(text, self._code) and is_about_hearer(text, self._code)
-        checked = CheckedAnswer(self._world()) if about else None
+        return lambda said: world.claims_for_itself(said) or (about and world.claimed_in(said))
+
+    def _stream(
+        self,
+        model: LanguageModel,
+        chat: Sequence[ChatMessage],
+        grammar: str,
+        turn: Turn,
+        claims: Callable[[str], bool],
+    ) -> Sequence[Call]:
+        """Say what the model writes without claims, and return its calls."""
+        parser, checked = OutputParser(), CheckedAnswer(claims)
         started_s = self._clock.now()
         try:
             for piece in model.generate(
-                self.chat(protocol.prepare(text)),
-                grammar=protocol.grammar_of(ordered=ordered),
-                max_tokens=ANSWER_TOKENS,
-                token=turn.token,
+                chat, grammar=grammar, max_tokens=ANSWER_TOKENS, token=turn.token
             ):
-                told = parser.feed(piece)
-                turn.stream(checked.feed(told) if checked else told)
+                turn.stream(checked.feed(parser.feed(piece)))
         except ModelFailed as error:
             log.error("model_failed", reason=str(error))  # noqa: TRY400 - its message says it all
             what = "model_busy" if isinstance(error, ModelBusy) else "model_failed"
@@ -478,14 +526,9 @@ class Interpreter:
             return ()
         finally:
             turn.thought(self._clock.now() - started_s)
-        if checked:
-            turn.stream(checked.finish())
+        turn.stream(checked.finish())
         turn.flush()
-        if checked and checked.dropped and not turn.text and not turn.token.cancelled:
-            turn.say(self.phrases.say("not_known"))
-        return (
-            () if turn.token.cancelled else protocol.allowed(parser.finish(), text, ordered=ordered)
-        )
+        return () if turn.token.cancelled else parser.finish()
 
     def _protocol(self) -> Protocol:
         """The protocol of the active agent, with the present words of its arguments."""
@@ -516,7 +559,8 @@ class Interpreter:
     def _history_budget(self) -> int:
         if self._model is None:
             return 0
-        longest = max(size_tokens(self._count_tokens, p.opening) for p in self._protocols.values())
+        openings = [one for p in self._protocols.values() for one in (p.opening, p.talk)]
+        longest = max(size_tokens(self._count_tokens, one) for one in openings)
         return max(0, self._model.context_tokens - longest - 4 * ANSWER_TOKENS)
 
 

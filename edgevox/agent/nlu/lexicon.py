@@ -70,6 +70,8 @@ class FunctionWords:
     """Words that may ask about an ability instead of for the action."""
     talking: tuple[str, ...] = ()
     """Words for what a robot can do by talking alone: "can you explain ..."."""
+    me: tuple[str, ...] = ()
+    """Words for the speaker, and, where these are left out, common verbs that tell of them."""
     you: tuple[str, ...] = ()
     """Words for the hearer."""
     amounts: tuple[str, ...] = ()

@@ -1,17 +1,17 @@
 """Questions to the robot: what is asked, and what a language model may answer.
 
 A model knows nothing of the robot and its world. A question about them that no fact answers gets
-"I do not know that", and an answer to a question about the robot is held against what it names.
+"I do not know that", and no sentence of a model passes that speaks of the robot itself.
 """
 
 import re
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from functools import cache, cached_property
 
 from edgevox.agent.nlu.clauses import Name, find_names
 from edgevox.agent.nlu.decider import QUESTION_MARKS, Judged
 from edgevox.agent.nlu.lexicon import TOKEN, Lexicon, Words, is_mark, plain, words_of
-from edgevox.agent.phrases.load import phrasebook
+from edgevox.agent.phrases.load import ENGLISH, phrasebook
 from edgevox.agent.phrases.numbers import digits
 from edgevox.agent.phrases.phrasebook import Phrasebook
 from edgevox.agent.skills import Call, Skill
@@ -240,6 +240,11 @@ class WorldWords:
         """True if the text names a thing or a place of the robot's world."""
         return _holds(text, self._forms, self._book.code)
 
+    def claims_for_itself(self, sentence: str) -> bool:
+        """True if the sentence speaks of its speaker: "I have locked the door"."""
+        me = (*words_of(self._book.code).me, *words_of(ENGLISH).me, PRODUCT)
+        return _holds(re.sub(r"['\u2019]", " ", sentence), me, self._book.code)
+
     def claimed_in(self, sentence: str) -> bool:
         """True if the sentence names such a thing, or a number."""
         numbers = _NUMBER.findall(digits(sentence, self._book.code))
@@ -259,6 +264,12 @@ class WorldWords:
         return frozenset(known.keys() - (parts - {key(word) for word in known.values()}))
 
 
+def sentences_of(text: str) -> list[str]:
+    """The sentences of a text."""
+    return _SENTENCE_END.split(text)
+
+
+PRODUCT = "EdgeVox"
 _NUMBER = re.compile(NUMBER)
 _IT = "it"
 """Pronoun for the thing spoken of last; it names nothing."""
@@ -266,17 +277,17 @@ _SENTENCE_END = re.compile(r"(?<=[.!?\u061f\u0964])\s+|(?<=[\u3002\uff01\uff1f])
 
 
 class CheckedAnswer:
-    """Lets the sentences of a model's answer pass that claim nothing of the robot's world."""
+    """Lets the sentences of a model's answer pass that make no claim."""
 
-    def __init__(self, world: WorldWords) -> None:
-        self._world = world
+    def __init__(self, claims: Callable[[str], bool]) -> None:
+        self._claims = claims
         self._rest = ""
         self.dropped = False
         """True if a sentence was held back; what follows it is held back as well."""
 
     def feed(self, piece: str) -> str:
         """The sentences that ended in this piece and may be said."""
-        *ended, self._rest = _SENTENCE_END.split(self._rest + piece)
+        *ended, self._rest = sentences_of(self._rest + piece)
         return "".join(self._passed(one) for one in ended)
 
     def finish(self) -> str:
@@ -285,5 +296,5 @@ class CheckedAnswer:
         return self._passed(rest)
 
     def _passed(self, sentence: str) -> str:
-        self.dropped = self.dropped or self._world.claimed_in(sentence)
+        self.dropped = self.dropped or (bool(sentence) and self._claims(sentence))
         return "" if self.dropped or not sentence else f"{sentence} "

@@ -71,6 +71,7 @@ def _book(code: str, data: Mapping[str, Any], fallback: Phrasebook | None) -> Ph
         | skill_entries(data.get("facts", {})),
         small_talk=_exchanges(data, "small_talk") or (fallback.small_talk if fallback else ()),
         declined=_exchanges(data, "declined") or (fallback.declined if fallback else ()),
+        everyday=_exchanges(data, "everyday") or (fallback.everyday if fallback else ()),
         acts={
             name: HouseAct(
                 tuple(one["words"]),

@@ -189,6 +189,8 @@ class Phrasebook:
     dialogue: Mapping[str, SkillPhrases] = field(default_factory=dict)
     small_talk: tuple[SmallTalk, ...] = ()
     declined: tuple[SmallTalk, ...] = ()
+    everyday: tuple[SmallTalk, ...] = ()
+    """Questions about the world in general, and, with an empty answer, what nobody can know."""
     acts: Mapping[str, HouseAct] = field(default_factory=dict)
     cues: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     links: tuple[str, ...] = ()
