@@ -22,7 +22,6 @@ import yaml
 
 from benchmarks.agent.questions import Robot, robot_of
 from benchmarks.core.figures import Figure, Measured, NotHere
-from edgevox.core.commands import SetLanguage
 from edgevox.core.events import Responded, TurnMeasured
 from edgevox.models import ModelMissing, locate
 
@@ -120,9 +119,8 @@ def _answers(model: str, halves: Sequence[str], every: int) -> Iterator[Told]:
             for row in rows[::every]:
                 yield _asked(one, row)
     for robot in ROBOTS if "talk" in halves else ():
-        with robot_of(robot, model) as one:
-            for code, said in table["talk"].items():
-                one.do(SetLanguage(code))
+        for code, said in table["talk"].items():
+            with robot_of(robot, model, code) as one:
                 mine = said[ROBOTS.index(robot) :: len(ROBOTS)]
                 yield from _talked(one, mine[::every], table["faults"])
 

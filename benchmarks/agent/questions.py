@@ -20,7 +20,7 @@ from benchmarks.core.figures import Figure, Measured
 from edgevox.apps.agent.build import build_parts, start_parts
 from edgevox.apps.robots import build_body
 from edgevox.core.agent_events import Confirmation, ToolCalled
-from edgevox.core.commands import Command, Reset, TextInput
+from edgevox.core.commands import Reset, TextInput
 from edgevox.core.events import Responded, TurnEnded, TurnMeasured
 from edgevox.core.settings import NO_LLM, load_settings
 from edgevox.robots.capabilities import Advances, Body, TellsMotions
@@ -103,14 +103,10 @@ class Robot:
 
     def begin(self) -> None:
         """Begin a conversation, with the body where it starts."""
-        self.do(Reset())
+        self._parts.conversation.submit(Reset())
+        self._parts.conversation.wait_idle(_ANSWER_S)
         self._body.reset()
         self._pass(_STEP_S)
-
-    def do(self, command: Command) -> None:
-        """Give a command that is no words."""
-        self._parts.conversation.submit(command)
-        self._parts.conversation.wait_idle(_ANSWER_S)
 
     def say(self, text: str) -> Sequence[Any]:
         """Say it; the events until the turn has ended."""
@@ -153,9 +149,9 @@ class Robot:
 
 
 @contextmanager
-def robot_of(name: str, llm: str) -> Iterator[Robot]:
+def robot_of(name: str, llm: str, language: str = "en") -> Iterator[Robot]:
     """The robot, with an agent around it."""
-    settings = load_settings({"text_mode": True, "llm": llm, "ros2": False})
+    settings = load_settings({"text_mode": True, "llm": llm, "ros2": False, "language": language})
     with ExitStack() as stack:
         body = build_body(name, settings, 0.0)
         parts = build_parts(stack, settings, body)

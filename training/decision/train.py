@@ -7,6 +7,7 @@ learns from likelihoods of the first one that never saw the sentence. The third 
 `questions.yaml`, tells what a language model may answer.
 
     python -m training.decision.train [FILE]
+    python -m training.decision.train --general     # only the third one, in the file as it is
 """
 
 import sys
@@ -198,9 +199,11 @@ def hash_of(text: str) -> int:
 
 def main() -> int:
     """Train, say how well it tells what it was not trained with, and write the file."""
-    place = Path(sys.argv[1]) if len(sys.argv) > 1 else HEAD
+    general = sys.argv[1:] == ["--general"]
+    place = Path(sys.argv[1]) if len(sys.argv) > 1 and not general else HEAD
     encoder = Encoder(locate(ENCODER))
-    arrays = train(encoder, show=True) | train_general(encoder)
+    arrays = dict(np.load(HEAD)) if general else train(encoder, show=True)
+    arrays |= train_general(encoder)
     with place.open("wb") as file:
         np.savez(file, **arrays)  # type: ignore[arg-type]
     print(f"{place}: {place.stat().st_size} bytes")

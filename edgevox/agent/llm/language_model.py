@@ -6,7 +6,7 @@
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Literal, Protocol
+from typing import Literal, Protocol, Self
 
 from edgevox.core.cancel import CancelToken
 from edgevox.core.clock import Clock
@@ -43,6 +43,17 @@ class ChatMessage:
     content: str
 
 
+class Piece(str):
+    """A piece of an answer, with how likely the model found it, from 0 to 1."""
+
+    likely: float
+
+    def __new__(cls, text: str, likely: float) -> Self:
+        piece = super().__new__(cls, text)
+        piece.likely = likely
+        return piece
+
+
 class LanguageModel(Protocol):
     """A model that answers chats in a language that a GBNF grammar describes.
 
@@ -62,6 +73,7 @@ class LanguageModel(Protocol):
     ) -> Iterator[str]:
         """Yield pieces of the answer as they are decoded; greedy, so the same chat repeats.
 
+        Each is a `Piece` where the engine tells how likely it is.
         Ends early, within one token, when `token` is cancelled or the iterator is closed; while the
         prompt is being read, within one batch of it. Raises `ModelFailed`.
         """

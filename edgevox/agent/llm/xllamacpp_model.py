@@ -9,6 +9,7 @@ import fcntl
 import http.client
 import importlib
 import json
+import math
 import os
 import secrets
 import shutil
@@ -23,7 +24,7 @@ from queue import SimpleQueue
 from typing import Any
 
 from edgevox.agent.llm import weights
-from edgevox.agent.llm.language_model import CONTEXT_TOKENS, ChatMessage, ModelFailed
+from edgevox.agent.llm.language_model import CONTEXT_TOKENS, ChatMessage, ModelFailed, Piece
 from edgevox.core.cancel import CancelToken
 from edgevox.core.errors import install_extra
 from edgevox.core.log import get_logger
@@ -207,9 +208,11 @@ class _ServerAnswer:
         if "error" in chunk:
             self._queue.put(ModelFailed(f"the model refused: {chunk['error']['message']}"))
         for choice in chunk.get("choices", ()):
-            piece = choice["delta"].get("content")
-            if piece:
-                self._queue.put(piece)
+            text = choice["delta"].get("content")
+            if text:
+                tokens = (choice.get("logprobs") or {}).get("content") or ()
+                likely = math.exp(min((one["logprob"] for one in tokens), default=0.0))
+                self._queue.put(Piece(text, likely))
         return self.unwanted
 
     def end(self, work: "Future[None]") -> None:
@@ -275,6 +278,8 @@ def _request(
         "temperature": 0.0,
         "top_k": 1,
         "cache_prompt": True,
+        "logprobs": True,
+        "top_logprobs": 1,
     }
     if grammar is not None:
         request["grammar"] = grammar

@@ -11,7 +11,13 @@ from dataclasses import replace
 from edgevox.agent.agents import Agent, by_name
 from edgevox.agent.known import StateCondition
 from edgevox.agent.llm.calls import HANDOFF, OutputParser, Protocol
-from edgevox.agent.llm.language_model import ChatMessage, LanguageModel, ModelBusy, ModelFailed
+from edgevox.agent.llm.language_model import (
+    ChatMessage,
+    LanguageModel,
+    ModelBusy,
+    ModelFailed,
+    Piece,
+)
 from edgevox.agent.llm.prompt import History, size_tokens
 from edgevox.agent.nlu.abilities import abilities, cannot_do, not_understood
 from edgevox.agent.nlu.decider import Decider, Decision, Readings
@@ -53,6 +59,10 @@ MAX_HANDOFFS = 3
 
 BACK = "go_back"
 """Name of the dialogue skill that leads back to where the last motion began."""
+
+LEAST_LIKELY = 0.2
+"""A model is not sure of a sentence with a less likely word. By `benchmarks.agent.everyday`, on the
+half for tuning."""
 
 _SPOKEN = (Outcome.ANSWERED, Outcome.INTERRUPTED)
 
@@ -173,7 +183,8 @@ class Interpreter:
         whether = asks_whether(text, self._code)
         if not whether and (asked := self._asked(text)):
             return self._taken(asked, turn)
-        if cannot := self._cannot(text)[0]:
+        general = self._is_general(text)
+        if not general and (cannot := self._cannot(text)[0]):
             turn.say(cannot, Outcome.REFUSED)
             return None
         if whether and not _needs_model(self.active):
@@ -182,8 +193,8 @@ class Interpreter:
         if not asks(text, self._code) and (unknown := self._unknown_place(text)):
             turn.say(unknown.reason, Outcome.REFUSED, detail=unknown.detail)
             return None
-        known = self._world().named_in(text)
-        if asks(text, self._code) and (known or not self._is_general(text)):
+        unknown = not general if self._model else is_about_hearer(text, self._code)
+        if asks(text, self._code) and (unknown or self._world().named_in(text)):
             turn.say(self.phrases.say("not_known"))
             return None
         if self._model is None:
@@ -284,10 +295,10 @@ class Interpreter:
         return self._decider is not None and self._decider.is_order(text)
 
     def _is_general(self, text: str) -> bool:
-        """True if a model may answer from general knowledge."""
-        if self._decider is None or self._model is None:
-            return not is_about_hearer(text, self._code)
-        return self._decider.is_general(text)
+        """True if there is a model that may answer this from general knowledge."""
+        if self._decider is None:
+            return self._model is not None and not is_about_hearer(text, self._code)
+        return self._model is not None and self._decider.is_general(text)
 
     def _asked(self, text: str) -> Meaning | None:
         """The question to the robot that the words most likely ask, though no template fits."""
@@ -403,8 +414,9 @@ class Interpreter:
         return None
 
     def remember(self, said: str, turn: Turn, meaning: Meaning | None) -> None:
-        """Add what the model answered to the history; commands would only slow the next answer."""
-        if meaning is None and turn.tokens and turn.outcome in _SPOKEN:
+        """Add a general question and its answer; all else would only slow the next answer."""
+        spoken = meaning is None and turn.tokens and turn.outcome in _SPOKEN
+        if spoken and self._is_general(said):
             answer = self._protocols[self.active.name].render(turn.text)
             self._history.add(said, answer, cut=turn.cut)
 
@@ -480,7 +492,7 @@ class Interpreter:
         """The calls that the model makes; what it says instead is said if it claims nothing."""
         chat = self.chat(protocol.prepare(text), acts=True)
         grammar = protocol.grammar_of(ordered=ordered)
-        calls = self._stream(model, chat, grammar, turn, self._claims(text))
+        calls = self._stream(model, chat, grammar, turn, CheckedAnswer(self._claims(text)))
         return protocol.allowed(calls, text, ordered=ordered)
 
     def _talk(
@@ -490,12 +502,14 @@ class Interpreter:
 
         An order that nothing understood gets neither.
         """
-        chat = self.chat(text)
         if self._is_general(text):
-            self._stream(model, chat, protocol.words_grammar, turn, self._claims(text))
+            checked = CheckedAnswer(self._claims(text), LEAST_LIKELY)
+            self._stream(model, self.chat(text), protocol.words_grammar, turn, checked)
         elif not ordered:
             answers = {s for one in self.phrases.small_talk for s in sentences_of(one.answer)}
-            self._stream(model, chat, protocol.small_talk, turn, lambda said: said not in answers)
+            checked = CheckedAnswer(lambda said: said not in answers, LEAST_LIKELY)
+            chat = [*protocol.talk, ChatMessage("user", text)]
+            self._stream(model, chat, protocol.small_talk, turn, checked)
 
     def _claims(self, text: str) -> Callable[[str], bool]:
         """Tells which sentences of an answer to these words claim what no model knows."""
@@ -509,16 +523,17 @@ class Interpreter:
         chat: Sequence[ChatMessage],
         grammar: str,
         turn: Turn,
-        claims: Callable[[str], bool],
+        checked: CheckedAnswer,
     ) -> Sequence[Call]:
-        """Say what the model writes without claims, and return its calls."""
-        parser, checked = OutputParser(), CheckedAnswer(claims)
+        """Say what passes of what the model writes, and return its calls."""
+        parser = OutputParser()
         started_s = self._clock.now()
         try:
             for piece in model.generate(
                 chat, grammar=grammar, max_tokens=ANSWER_TOKENS, token=turn.token
             ):
-                turn.stream(checked.feed(parser.feed(piece)))
+                likely = piece.likely if isinstance(piece, Piece) else 1.0
+                turn.stream(checked.feed(parser.feed(piece), likely))
         except ModelFailed as error:
             log.error("model_failed", reason=str(error))  # noqa: TRY400 - its message says it all
             what = "model_busy" if isinstance(error, ModelBusy) else "model_failed"

@@ -277,16 +277,22 @@ _SENTENCE_END = re.compile(r"(?<=[.!?\u061f\u0964])\s+|(?<=[\u3002\uff01\uff1f])
 
 
 class CheckedAnswer:
-    """Lets the sentences of a model's answer pass that make no claim."""
+    """Lets the sentences of a model's answer pass that make no claim and of which it is sure.
 
-    def __init__(self, claims: Callable[[str], bool]) -> None:
+    It is not if a piece is less likely than `least_likely`.
+    """
+
+    def __init__(self, claims: Callable[[str], bool], least_likely: float = 0.0) -> None:
         self._claims = claims
+        self._least_likely = least_likely
+        self._sure = True
         self._rest = ""
         self.dropped = False
         """True if a sentence was held back; what follows it is held back as well."""
 
-    def feed(self, piece: str) -> str:
+    def feed(self, piece: str, likely: float = 1.0) -> str:
         """The sentences that ended in this piece and may be said."""
+        self._sure = self._sure and (not piece or likely >= self._least_likely)
         *ended, self._rest = sentences_of(self._rest + piece)
         return "".join(self._passed(one) for one in ended)
 
@@ -296,5 +302,5 @@ class CheckedAnswer:
         return self._passed(rest)
 
     def _passed(self, sentence: str) -> str:
-        self.dropped = self.dropped or (bool(sentence) and self._claims(sentence))
+        self.dropped = self.dropped or not self._sure or (bool(sentence) and self._claims(sentence))
         return "" if self.dropped or not sentence else f"{sentence} "

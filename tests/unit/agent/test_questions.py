@@ -166,7 +166,7 @@ def test_a_sentence_claims_something_if_it_names_a_thing_a_place_or_a_number(
 def test_an_answer_is_held_back_from_its_first_claim_on_however_it_is_cut_into_pieces():
     text = "I am fine. I am in the kitchen. All is well."
     for size in (1, 3, 100):
-        checked = CheckedAnswer(WORLD["apartment"])
+        checked = CheckedAnswer(WORLD["apartment"].claimed_in)
         pieces = [text[at : at + size] for at in range(0, len(text), size)]
         told = "".join(map(checked.feed, pieces)) + checked.finish()
 
