@@ -136,12 +136,13 @@ class Turn:
         """True if the turn was ended before the whole answer was said."""
         return self.token.cancelled or (self._spoken is not None and self._spoken.cut)
 
-    def stream(self, piece: str) -> None:
+    def stream(self, piece: str, tokens: int = 1) -> None:
         """Say a piece of an answer as a model generates it.
 
-        An empty piece stands for a token that is not spoken; it is only counted.
+        An empty piece stands for a token that is not spoken; it is only counted. Text that was held
+        back had its tokens counted already.
         """
-        self.tokens += 1
+        self.tokens += tokens
         if self.token.cancelled or not piece:
             return
         self._bus.publish(TokenGenerated(piece, self.number))

@@ -89,3 +89,26 @@ def test_two_readers_of_one_file_agree() -> None:
     one, other = (Encoder(locate(ENCODER)).features("fahr in die K\u00fcche") for _ in range(2))
 
     assert (one == other).all()
+
+
+@pytest.mark.parametrize(
+    ("says", "general"),
+    [
+        ("who built the Great Wall", True),
+        ("how do I poach an egg", True),
+        ("wie lange brüten Hühner", True),
+        ("pourquoi les feuilles tombent-elles", True),
+        ("富士山の高さはどれくらいですか", True),
+        ("is the fridge open", False),
+        ("who is on the balcony", False),
+        ("when did my uncle call", False),
+        ("do you have a soul", False),
+        ("wo steht mein Fahrrad", False),
+        ("est-ce que tu as peur", False),
+        ("私の靴はどこですか", False),
+    ],
+)
+def test_a_model_is_asked_about_the_world_only_in_general(
+    decider: Decider, says: str, general: bool
+) -> None:
+    assert decider.is_general(says) is general

@@ -7,7 +7,14 @@ from dataclasses import dataclass, field, replace
 
 from edgevox.agent.llm.grammar import DO, END, HANDOFF, JOINT, SAY, choice_grammar, grammar, literal
 from edgevox.agent.llm.language_model import ChatMessage
-from edgevox.agent.llm.prompt import Shown, examples, system_prompt, talk_examples, talk_prompt
+from edgevox.agent.llm.prompt import (
+    Shown,
+    everyday,
+    examples,
+    small_talk,
+    system_prompt,
+    talk_prompt,
+)
 from edgevox.agent.phrases.load import phrasebook
 from edgevox.agent.phrases.numbers import digits
 from edgevox.agent.skills import NO_SKILLS, Call, SkillSet
@@ -53,9 +60,9 @@ class Protocol:
     `opening` holds the first messages of a chat in which the model may make calls: the
     instructions, the skills and examples. `grammar` is the grammar of its output, which
     `OutputParser` reads; `words_grammar` allows only words and hand-overs. `talk` is the opening
-    where it only talks; it shows no calls. `small_talk` allows nothing but the answers of the
-    language's small talk, and that it was not understood. All are made for the present `words` of
-    the arguments.
+    where it only talks; it shows no calls. `small_talk` goes on with the language's small talk,
+    and `small_talk_grammar` allows nothing but the answers there, and that it was not understood.
+    All are made for the present `words` of the arguments.
     """
 
     instructions: str
@@ -65,9 +72,10 @@ class Protocol:
     words: tuple[tuple[tuple[str, str], ...], ...] = field(init=False)
     grammar: str = field(init=False)
     words_grammar: str = field(init=False)
-    small_talk: str = field(init=False)
+    small_talk_grammar: str = field(init=False)
     opening: tuple[ChatMessage, ...] = field(init=False)
     talk: tuple[ChatMessage, ...] = field(init=False)
+    small_talk: tuple[ChatMessage, ...] = field(init=False)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "words", self.skills.words())
@@ -76,12 +84,14 @@ class Protocol:
         book = phrasebook(self.language)
         answers = [one.answer for one in book.small_talk]
         chosen = dict.fromkeys([*answers, book.say("not_understood")])
-        object.__setattr__(self, "small_talk", choice_grammar([*chosen]))
+        object.__setattr__(self, "small_talk_grammar", choice_grammar([*chosen]))
         system = system_prompt(self.instructions, self.skills, self.handoffs, self.language)
         shown = examples(self.skills, self.handoffs, self.language)
         object.__setattr__(self, "opening", self._opening(system, shown))
         talk = talk_prompt(self.instructions, self.language)
-        object.__setattr__(self, "talk", self._opening(talk, talk_examples(self.language)))
+        asked, said = everyday(self.language), small_talk(self.language)
+        object.__setattr__(self, "talk", self._opening(talk, asked))
+        object.__setattr__(self, "small_talk", self._opening(talk, [*asked, *said]))
 
     def _opening(self, system: str, shown: Sequence[Shown]) -> tuple[ChatMessage, ...]:
         messages = [ChatMessage("system", system)]

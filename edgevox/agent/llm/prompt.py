@@ -71,12 +71,16 @@ def talk_prompt(instructions: str, language: str = ENGLISH) -> str:
     return "\n".join([instructions, "", rule, *_spoken_in(language)])
 
 
-def talk_examples(language: str = ENGLISH) -> Sequence[Shown]:
-    """Examples of small talk, and of questions that have an answer and that have none."""
+def everyday(language: str = ENGLISH) -> Sequence[Shown]:
+    """Examples of questions that have an answer, and of such that have none."""
     book = phrasebook(language)
     unknown = book.say("not_known")
-    asked = [Shown(one.asked, says=one.answer or unknown) for one in book.everyday]
-    return [*_said(book.small_talk), *asked]
+    return [Shown(one.asked, says=one.answer or unknown) for one in book.everyday]
+
+
+def small_talk(language: str = ENGLISH) -> Sequence[Shown]:
+    """Examples of small talk."""
+    return _said(phrasebook(language).small_talk)
 
 
 def _spoken_in(language: str) -> list[str]:

@@ -193,8 +193,8 @@ class Interpreter:
         if not asks(text, self._code) and (unknown := self._unknown_place(text)):
             turn.say(unknown.reason, Outcome.REFUSED, detail=unknown.detail)
             return None
-        unknown = not general if self._model else is_about_hearer(text, self._code)
-        if asks(text, self._code) and (unknown or self._world().named_in(text)):
+        private = not general if self._model else is_about_hearer(text, self._code)
+        if asks(text, self._code) and (private or self._world().named_in(text)):
             turn.say(self.phrases.say("not_known"))
             return None
         if self._model is None:
@@ -508,8 +508,8 @@ class Interpreter:
         elif not ordered:
             answers = {s for one in self.phrases.small_talk for s in sentences_of(one.answer)}
             checked = CheckedAnswer(lambda said: said not in answers, LEAST_LIKELY)
-            chat = [*protocol.talk, ChatMessage("user", text)]
-            self._stream(model, chat, protocol.small_talk, turn, checked)
+            chat = [*protocol.small_talk, ChatMessage("user", text)]
+            self._stream(model, chat, protocol.small_talk_grammar, turn, checked)
 
     def _claims(self, text: str) -> Callable[[str], bool]:
         """Tells which sentences of an answer to these words claim what no model knows."""
@@ -541,7 +541,7 @@ class Interpreter:
             return ()
         finally:
             turn.thought(self._clock.now() - started_s)
-        turn.stream(checked.finish())
+        turn.stream(checked.finish(), tokens=0)
         turn.flush()
         return () if turn.token.cancelled else parser.finish()
 

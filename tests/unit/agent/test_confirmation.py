@@ -2,7 +2,7 @@
 
 import phrases
 import pytest
-from support.conversation import Eloquent, Talk
+from support.conversation import Talk
 
 from edgevox.agent.dialogue.question import EXPIRES_S
 from edgevox.agent.nlu.meaning import SURE_FROM
@@ -29,15 +29,6 @@ def test_what_is_asked_first_is_told_with_its_calls_and_done_when_confirmed():
         assert talk.said[1:] == ["Going to the kitchen.", "I am in the kitchen."]
         assert talk.statuses == ["asked", "confirmed"]
         assert {one.turn for one in talk.questions} == {1}
-
-
-def test_a_model_is_not_shown_a_question_since_it_would_ask_the_like_and_mean_nothing():
-    with Talk(confirm="always", model=Eloquent()) as talk:
-        talk.say("go to the kitchen", "yes", "where are you")
-        told = [message.content for message in talk.conversation.interpreter.chat()]
-        assert talk.said[0] == "Shall I go to the kitchen?"
-        assert not any("Shall I" in said for said in told)
-        assert any("get_pose" in said for said in told)
 
 
 def test_a_no_leaves_it():

@@ -153,6 +153,8 @@ def test_a_model_is_shown_its_language_and_only_valid_calls(code):
     book, english = phrasebook(code), phrasebook(ENGLISH)
     assert book.small_talk is not english.small_talk
     assert book.declined is not english.declined
+    assert [bool(one.answer) for one in book.everyday] == [False, True, False, True]
+    assert not {one.asked for one in book.everyday} & {one.asked for one in english.everyday}
     for one in SKILLS.values():
         for example in book.examples(one):
             one.validate(example.arguments)

@@ -5,6 +5,10 @@ from support.bodies import BODIES, FACTS
 from support.body import FakeBody
 from support.conversation import Eloquent, Talk
 
+from edgevox.agent.llm.calls import Protocol
+from edgevox.agent.llm.gbnf import Matcher
+from edgevox.agent.llm.grammar import SAY
+from edgevox.agent.llm.language_model import Piece
 from edgevox.agent.nlu.decider import Readings
 from edgevox.agent.nlu.questions import (
     CheckedAnswer,
@@ -20,7 +24,7 @@ from edgevox.agent.skills import Call, SkillSet
 
 BOOK = phrasebook(ENGLISH)
 NOT_KNOWN = BOOK.say("not_known")
-SAY = "talk: "
+PROTOCOL = Protocol("Be kind.", SkillSet(()))
 WORLD = {body: WorldWords(skills.values(), BOOK) for body, skills in BODIES.items()}
 READINGS = {
     body: Readings(SkillSet(one for one in facts if not one.new_names), ENGLISH)
@@ -184,7 +188,7 @@ def talk(*pieces):
     [
         ("how old are you", "I am 5 years old.", NOT_KNOWN),
         ("what do you like", "I like the kitchen best.", NOT_KNOWN),
-        ("how are you today", "I feel good, thank you.", "I feel good, thank you."),
+        ("how are you today", "I feel good, thank you.", NOT_KNOWN),
         ("how many legs has a spider", "It has 8 legs.", "It has 8 legs."),
         ("is the office open today", "Yes, it is.", NOT_KNOWN),
     ],
@@ -197,4 +201,34 @@ def test_a_model_says_nothing_of_the_robot_and_its_world_that_nobody_told_it(ask
 def test_whether_it_can_do_something_is_not_the_model_s_to_say():
     with talk("Yes, I can climb stairs.") as one:
         assert one.say("can you climb stairs").startswith(BOOK.say("no_ability"))
-        assert one.say("can you tell me a story") == "Yes, I can climb stairs."
+        assert one.say("can you tell me a story") == NOT_KNOWN
+
+
+@pytest.mark.parametrize(
+    ("code", "sentence", "claims"),
+    [
+        ("en", "I'm going to bring it.", True),
+        ("en", "EdgeVox was built in a lab.", True),
+        ("en", "Islands lie in the sea.", False),
+        ("de", "Ich habe die Tür geschlossen.", True),
+        ("de", "Igel fressen Käfer.", False),
+        ("fr", "J'ai fermé la porte.", True),
+        ("es", "Mi comida favorita es el arroz.", True),
+        ("ja", "私はりんごが好きです。", True),
+    ],
+)
+def test_a_sentence_that_speaks_of_its_speaker_is_a_claim(code, sentence, claims):
+    assert WorldWords([], phrasebook(code)).claims_for_itself(sentence) is claims
+
+
+@pytest.mark.parametrize(("likely", "said"), [(0.9, "Lions are fast."), (0.01, NOT_KNOWN)])
+def test_a_model_that_is_not_sure_of_a_word_says_that_it_does_not_know(likely, said):
+    with talk("Lions ", Piece("are ", likely), "fast.") as one:
+        assert one.say("which animals are fast?") == said
+
+
+def test_in_small_talk_a_model_only_chooses_an_answer():
+    for answer in (one.answer for one in BOOK.small_talk):
+        assert Matcher(PROTOCOL.small_talk_grammar).accept(SAY + answer) == len(SAY + answer)
+    claim = f"{SAY}I will wake you."
+    assert Matcher(PROTOCOL.small_talk_grammar).accept(claim) < len(claim)
