@@ -60,7 +60,7 @@ MAX_HANDOFFS = 3
 BACK = "go_back"
 """Name of the dialogue skill that leads back to where the last motion began."""
 
-LEAST_LIKELY = 0.2
+LEAST_LIKELY = 0.15
 """A model is not sure of a sentence with a less likely word. By `benchmarks.agent.everyday`, on the
 half for tuning."""
 
