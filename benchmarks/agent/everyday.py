@@ -118,11 +118,11 @@ def _answers(model: str, halves: Sequence[str], every: int) -> Iterator[Told]:
         with robot_of(ROBOTS[0], model) as one:
             for row in rows[::every]:
                 yield _asked(one, row)
-    for robot in ROBOTS if "talk" in halves else ():
-        for code, said in table["talk"].items():
+    for code, said in table["talk"].items() if "talk" in halves else ():
+        robots = ROBOTS if code == "en" else ROBOTS[:1]
+        for at, robot in enumerate(robots):
             with robot_of(robot, model, code) as one:
-                mine = said[ROBOTS.index(robot) :: len(ROBOTS)]
-                yield from _talked(one, mine[::every], table["faults"])
+                yield from _talked(one, said[at :: len(robots) * every], table["faults"])
 
 
 def _asked(robot: Robot, row: Mapping[str, str]) -> Told:

@@ -131,6 +131,10 @@ BENCHMARKS: Mapping[str, Benchmark] = {
         "benchmarks.agent.questions",
         "questions to three robots about themselves and their world, answered rightly",
     ),
+    "everyday": Benchmark(
+        "benchmarks.agent.everyday",
+        "everyday questions and a stranger's talk, answered by both language models on board",
+    ),
     "discovery_scale": Benchmark(
         "benchmarks.wire.discovery", "how soon many agents find each other, and what it costs"
     ),

@@ -115,6 +115,8 @@ Confirm = Literal["always", "unsure", "never"]
 CONFIRM: tuple[Confirm, ...] = get_args(Confirm)
 """Values of the setting for questions before a drive."""
 Echo = Literal["cancel", "gate", "none"]
+AUTO_LLM = "auto"
+"""Value of `llm` for the best language model that is here and fits."""
 NO_LLM = "none"
 """Value of `llm` for no language model on board."""
 WakeEngine = Literal["micro", "openwakeword"]
@@ -282,8 +284,9 @@ class Settings(BaseSettings):
         " level; none if another device cancels it",
     )
     llm: str = Field(
-        "qwen2.5-coder-0.5b-instruct",
-        description="language model: an id of edgevox-models, a GGUF file, or none",
+        AUTO_LLM,
+        description="language model: an id of edgevox-models, a GGUF file, or none; auto takes"
+        " Qwen2.5-Coder 1.5B where it was fetched and 6 GB of memory are free, else 0.5B",
     )
     llm_backend: LlmBackend = Field("auto", description="library that runs the language model")
     llm_threads: int = Field(

@@ -8,6 +8,7 @@ import struct
 from pathlib import Path
 
 from edgevox.agent.llm.language_model import AbsentModel, LanguageModel
+from edgevox.agent.llm.weights import read_memory
 from edgevox.agent.nlu.decider import Decider
 from edgevox.agent.nlu.encoder import ENCODER
 from edgevox.agent.nlu.hearing.sounds import Phonemes
@@ -15,11 +16,15 @@ from edgevox.apps.streams import show
 from edgevox.core.errors import EdgeVoxError
 from edgevox.core.languages import LANGUAGES
 from edgevox.core.log import get_logger
-from edgevox.core.settings import NO_LLM, Settings
-from edgevox.models import locate
+from edgevox.core.settings import AUTO_LLM, NO_LLM, Settings
+from edgevox.models import ModelMissing, locate
 
 log = get_logger(__name__)
 
+
+SMALLER, LARGER = "qwen2.5-coder-0.5b-instruct", "qwen2.5-coder-1.5b-instruct"
+LARGER_NEEDS_BYTES = 6e9
+"""Free memory from which on the larger one leaves enough to the rest of the robot."""
 
 _UNUSABLE = (EdgeVoxError, MemoryError, OSError, ValueError, LookupError, struct.error)
 """A file that is missing, is none of its kind, is cut short or damaged, or is too much here."""
@@ -49,12 +54,27 @@ def open_phonemes() -> Phonemes | None:
     return lambda text, code: library.phonemes(text, LANGUAGES[code].voices[-1].key)
 
 
+def chosen_llm(settings: Settings) -> str:
+    """What `llm` names: an id of edgevox-models, a GGUF file, or `NO_LLM`."""
+    if settings.llm != AUTO_LLM:
+        return settings.llm
+    memory = read_memory()
+    try:
+        if memory and memory.free >= LARGER_NEEDS_BYTES:
+            locate(LARGER)
+            return LARGER
+    except ModelMissing:
+        pass
+    return SMALLER
+
+
 def find_weights(settings: Settings) -> Path | None:
     """The file of the model on board; None where there is to be none. Raises `EdgeVoxError`."""
-    if settings.llm == NO_LLM:
+    chosen = chosen_llm(settings)
+    if chosen == NO_LLM:
         return None
-    path = Path(settings.llm)
-    return path if path.suffix == ".gguf" else locate(settings.llm)
+    path = Path(chosen)
+    return path if path.suffix == ".gguf" else locate(chosen)
 
 
 def open_model(settings: Settings, weights: Path | None) -> LanguageModel | None:

@@ -21,7 +21,7 @@ from edgevox import __version__
 from edgevox.agent.llm import weights
 from edgevox.agent.llm.factory import XLLAMACPP_NEEDS, missing_features
 from edgevox.agent.llm.weights import needed_bytes, read_memory
-from edgevox.apps.agent.models import find_weights
+from edgevox.apps.agent.models import chosen_llm, find_weights
 from edgevox.apps.agent.queries import fetch_commands
 from edgevox.apps.agent.voice import needed_models
 from edgevox.apps.container.environment import warn_of_unknown
@@ -241,7 +241,7 @@ def _llm_bytes(settings: Settings) -> int:
         path = find_weights(settings)
         return needed_bytes(weights.check(path), settings.llm_context) if path else 0
     except EdgeVoxError:
-        model = Store().manifest.models.get(settings.llm)
+        model = Store().manifest.models.get(chosen_llm(settings))
         return needed_bytes(weights.Weights(model.size, 0), settings.llm_context) if model else 0
 
 
@@ -313,8 +313,9 @@ _READERS = 2
 def needed(situation: Situation) -> Iterator[str]:
     """The ids of the models without which EdgeVox would not start, or not hear."""
     settings = situation.settings
-    if settings.llm != NO_LLM and not settings.llm.endswith(".gguf"):
-        yield settings.llm
+    llm = chosen_llm(settings)
+    if llm != NO_LLM and not llm.endswith(".gguf"):
+        yield llm
     if not settings.text_mode:
         yield LANGUAGES[settings.language].stt_model
         yield from needed_models(settings)

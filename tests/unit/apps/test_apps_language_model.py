@@ -1,20 +1,52 @@
 """Which language model the settings give, and a robot that a shared one moves."""
 
+from pathlib import Path
+
 import pytest
 
 from edgevox.agent.llm.remote_model import FallbackModel
-from edgevox.apps.agent.models import find_weights, open_model
+from edgevox.agent.llm.weights import Memory
+from edgevox.apps.agent import models
+from edgevox.apps.agent.models import LARGER, SMALLER, find_weights, open_model
 from edgevox.apps.agent.queries import build_queries
 from edgevox.core.bus import Bus
 from edgevox.core.controls import Controls
 from edgevox.core.errors import InvalidValue
 from edgevox.core.settings import load_settings
+from edgevox.models.store import ROOT_VARIABLE
 
 WISH = "I'd be glad of some company next to the oven"
 
 
 def test_without_a_model_and_without_a_server_there_is_none() -> None:
     assert open_model(load_settings({"llm": "none"}), None) is None
+
+
+@pytest.mark.parametrize(
+    ("llm", "free", "fetched", "chosen"),
+    [
+        ("auto", 6e9, True, LARGER),
+        ("auto", 5.9e9, True, SMALLER),
+        ("auto", 6e9, False, SMALLER),
+        (SMALLER, 6e9, True, SMALLER),
+        ("/a/model.gguf", 6e9, True, "/a/model.gguf"),
+        ("none", 6e9, True, "none"),
+    ],
+)
+def test_auto_takes_the_larger_model_where_it_is_and_fits(
+    llm: str,
+    free: float,
+    fetched: bool,
+    chosen: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(models, "read_memory", lambda: Memory(8 << 30, int(free)))
+    monkeypatch.setenv(ROOT_VARIABLE, str(tmp_path))
+    if fetched:
+        monkeypatch.setattr(models, "locate", lambda name: tmp_path / name)
+
+    assert models.chosen_llm(load_settings({"llm": llm})) == chosen
 
 
 def test_a_server_alone_is_a_model() -> None:
