@@ -106,7 +106,7 @@ class Replies:
             return True
         if hearing >= HEARD_FROM or not self._is_short(text):
             return False
-        if self._means_nothing(text):
+        if self._means_nothing(text) and not self._answers.may_correct(text):
             return True
         return rate is not None and self._sounds_encouraging(text, rate)
 
@@ -118,7 +118,7 @@ class Replies:
         """True for words that are no answer, no correction, no plain command and no stop."""
         return (
             self._answers.read(text) is None
-            and not self._answers.may_correct(text)
+            and self._corrections.of(text) is None
             and self._interpreter.plain(text) is None
             and find_stop_word(self._interpreter.phrases.code, text) is None
         )
