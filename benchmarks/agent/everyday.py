@@ -144,10 +144,10 @@ def _talked(
 def _told(robot: Robot, half: str, said: str, judge: Callable[[str], str]) -> Told:
     seen = robot.say(said)
     answer = " ".join(one.text for one in seen if isinstance(one, Responded))
-    (measured,) = [one for one in seen if isinstance(one, TurnMeasured)]
-    by_model = measured.llm > 0
+    measured = next((one for one in seen if isinstance(one, TurnMeasured)), None)
+    by_model = bool(measured and measured.llm)
     judged = judge(answer) if half != "talk" or by_model else ""
-    return Told(half, said, answer, judged, measured.ttfs, by_model)
+    return Told(half, said, answer, judged, measured.ttfs if measured else 0.0, by_model)
 
 
 def _half(said: str) -> str:
