@@ -6,6 +6,7 @@
 from benchmarks.core.figures import Figure, Measured
 from benchmarks.core.stopwatch import resident_mb
 from benchmarks.core.talker import PLAIN, QUESTIONS, READ, Talker, start_aloud_s
+from edgevox.apps.agent.models import SMALLER
 
 TABLE = "Answering and stopping"
 ROUNDS = 5
@@ -19,7 +20,7 @@ def measure(quick: bool = False) -> Measured:
     aloud_s = start_aloud_s()
     with Talker("--llm=none", STATE_HZ) as bare:
         bare_mb = resident_mb(bare.pid)
-    with Talker(STATE_HZ) as talker:
+    with Talker(f"--llm={SMALLER}", STATE_HZ) as talker:
         return Measured(
             figures=(
                 _one("start", "start to ready", [talker.start_s], "s"),

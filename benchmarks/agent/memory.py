@@ -17,6 +17,7 @@ from support.recordings import write_wav
 from benchmarks.core.figures import Figure, Measured, NotHere
 from benchmarks.core.stopwatch import repeatedly
 from benchmarks.core.talker import AGENT, isolate
+from edgevox.apps.agent.models import SMALLER
 from edgevox.models import ModelMissing
 
 TABLE = "Memory with the default set"
@@ -82,7 +83,7 @@ def _run(said: Path, answers: Path) -> tuple[Memory, list[str]]:
     """Its memory, and the lines that it printed; it leaves at the end of the recording."""
     sound = ("--audio-in", str(said), "--audio-out", str(answers))
     with subprocess.Popen(
-        [AGENT, "robot-apartment", "--ros2", *sound],
+        [AGENT, "robot-apartment", "--ros2", f"--llm={SMALLER}", *sound],
         stdin=subprocess.DEVNULL,
         stdout=subprocess.PIPE,
         stderr=subprocess.STDOUT,

@@ -9,6 +9,7 @@ from gguf_files import small_gguf
 from edgevox.agent.llm import weights
 from edgevox.agent.llm.factory import load_model
 from edgevox.agent.llm.language_model import ModelFailed
+from edgevox.apps.agent.models import chosen_llm
 from edgevox.apps.doctor import machine, sound
 from edgevox.apps.doctor import machine as graphics
 from edgevox.core.status import Components, Finding, Level, Off, Status
@@ -87,7 +88,7 @@ def test_what_the_language_model_takes_is_what_its_loader_asks_for(tmp_path, mon
 def test_a_model_that_is_not_here_yet_takes_at_least_its_size(tmp_path, monkeypatch):
     monkeypatch.setenv("EDGEVOX_MODELS_DIR", str(tmp_path))
     here = situation()
-    size = Store().manifest.models[here.settings.llm].size
+    size = Store().manifest.models[chosen_llm(here.settings)].size
     assert machine.probe_memory(here)["llm"] == (size + weights.BUFFERS_BYTES) // MIB
     assert machine.probe_memory(situation(llm="none"))["llm"] == 0
 

@@ -3,8 +3,8 @@ from importlib.resources import files
 import pytest
 from models_wheelhouse import CHAT, CHAT_WHEELS, entry, manifest, model, voice
 
+from edgevox.apps.agent.models import LARGER, SMALLER
 from edgevox.core.languages import LANGUAGES
-from edgevox.core.settings import Settings
 from edgevox.models.manifest import (
     GitSource,
     HubSource,
@@ -94,10 +94,9 @@ def test_the_small_set_hears_speaks_wakes_and_thinks() -> None:
     assert sum(model.size for model in small) < 720e6
 
 
-def test_the_default_language_model_is_in_the_small_set() -> None:
-    default = Settings.model_fields["llm"].default
-
-    assert default in builtin_manifest().sets["small"]
+def test_the_language_models_of_auto_are_in_the_small_set_and_in_quality() -> None:
+    assert SMALLER in builtin_manifest().sets["small"]
+    assert LARGER in builtin_manifest().sets["quality"]
 
 
 def test_a_licence_that_is_not_described_is_refused() -> None:
