@@ -60,9 +60,9 @@ MAX_HANDOFFS = 3
 BACK = "go_back"
 """Name of the dialogue skill that leads back to where the last motion began."""
 
-LEAST_LIKELY = 0.15
-"""A model is not sure of a sentence with a less likely word. By `benchmarks.agent.everyday`, on the
-half for tuning."""
+LEAST_LIKELY, LEAST_LIKELY_TALK = 0.15, 0.5
+"""A model is not sure of an answer with a less likely word, nor of small talk with one. By
+`benchmarks.agent.everyday`, on the half for tuning."""
 
 _SPOKEN = (Outcome.ANSWERED, Outcome.INTERRUPTED)
 
@@ -507,7 +507,7 @@ class Interpreter:
             self._stream(model, self.chat(text), protocol.words_grammar, turn, checked)
         elif not ordered:
             answers = {s for one in self.phrases.small_talk for s in sentences_of(one.answer)}
-            checked = CheckedAnswer(lambda said: said not in answers, LEAST_LIKELY)
+            checked = CheckedAnswer(lambda said: said not in answers, LEAST_LIKELY_TALK)
             chat = [*protocol.small_talk, ChatMessage("user", text)]
             self._stream(model, chat, protocol.small_talk_grammar, turn, checked)
 
