@@ -57,7 +57,7 @@ class Told:
 
 @dataclass(frozen=True, slots=True)
 class Found:
-    """All that one model told, and the most memory that its process had."""
+    """All that one model told, and the most memory that its process had for the questions."""
 
     told: Sequence[Told]
     peak_mb: float
@@ -103,11 +103,13 @@ def ask(
     tell: Callable[[Told], object] = lambda _: None,
 ) -> Found:
     """Have it answer these halves of the questions, and the talk; each answer is told at once."""
-    told = list[Told]()
+    told, peak_mb = list[Told](), 0.0
     for one in _answers(model, halves, every):
         told.append(one)
         tell(one)
-    return Found(told, _peak_mb())
+        if one.half != "talk":  # whose robots each load the model
+            peak_mb = _peak_mb()
+    return Found(told, peak_mb)
 
 
 def _answers(model: str, halves: Sequence[str], every: int) -> Iterator[Told]:
