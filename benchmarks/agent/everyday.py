@@ -4,8 +4,6 @@ A whole agent with a simulated robot, whose time stands still, gets the question
 `everyday.yaml`. Answers are judged by the patterns of that file. Every question begins a
 conversation; ten turns of talk are one. Only answers in which the model had a part count as its
 talk. Half of the questions, chosen by their hash, are for tuning; the figures are of the others.
-
-    python -m benchmarks.agent.everyday MODEL [tuned|apart|talk]
 """
 
 import hashlib
@@ -67,7 +65,7 @@ class Found:
 
 
 def main() -> int:
-    """Print every answer and its judgement, then the figures."""
+    """Print every answer and its judgement, then the figures: `MODEL [tuned] [apart] [talk]`."""
     model, *halves = sys.argv[1:]
     found = ask(model, tuple(halves) or ("apart", "talk"), tell=_print)
     for figure in _figures(model, found, halves[0] if halves else "apart"):
