@@ -61,8 +61,8 @@ class AudioIn:
     """Subscribes to a microphone's topic, best effort; the callback only queues.
 
     Messages are `edgevox_msgs/msg/AudioData`: 16 kHz, mono, 16 bit little-endian. A message that is
-    empty, cut within a sample or longer than a second is refused, counted and logged. Sound of
-    another form is told after `WINDOW_S`.
+    empty, cut within a sample or longer than a second is refused, counted, logged and told. Sound
+    of another form is told after `WINDOW_S`.
     """
 
     def __init__(self, node: Node, source: Pushed, clock: Clock | None = None) -> None:
@@ -100,10 +100,12 @@ class AudioIn:
             return
         reason = Refusal.TOO_LONG if size > MAX_BYTES else Refusal.INVALID
         self.refused[reason] += 1
+        expected = f"16 bit samples, 1 to {MAX_BYTES} bytes"
+        self._source.doubt = f"a message of {size} bytes was refused; expected {expected}"
         log.warning(
             "sound_refused",
             topic=self._source.name,
             reason=reason,
             bytes=size,
-            expected=f"16 bit samples, 1 to {MAX_BYTES} bytes",
+            expected=expected,
         )

@@ -65,3 +65,4 @@ def test_a_message_that_cannot_be_sound_is_refused_and_said(robot, microphone, s
     reason = "too_long" if size > MAX_BYTES else "invalid"
     assert audio_in.refusals["audio_in", reason] == sum(audio_in.refusals.values())
     assert f"bytes={size}" in caplog.text
+    assert source.doubt.startswith(f"a message of {size} bytes was refused")
