@@ -19,13 +19,15 @@ class Transcript:
     """The words in a sound, empty if there are none, and how sure it is that they are those.
 
     `others` are what else may have been said, the likeliest first. `rate` rates other texts by the
-    sound, where the words are not sure.
+    sound, where the words are not sure. `stops` is what was heard in it with stop words in mind:
+    only for a stop word.
     """
 
     text: str
     confidence: float = 1.0
     others: tuple[Hypothesis, ...] = ()
     rate: Rate | None = field(default=None, compare=False, repr=False)
+    stops: tuple[Hypothesis, ...] = ()
 
 
 class SpeechToText(Protocol):
@@ -276,9 +278,21 @@ DOUBT = 0.88
 a yes then."""
 
 
+def is_sure(said: Transcript) -> bool:
+    """Return whether these words were heard."""
+    return bool(said.text) and said.confidence >= LISTEN_AGAIN_BELOW
+
+
 def is_doubtful(said: Transcript, language: str) -> bool:
     """Return whether to transcribe again, without a prompt."""
-    return language in SHOWN_COMMANDS and bool(said.text) and said.confidence < LISTEN_AGAIN_BELOW
+    return language in SHOWN_COMMANDS and bool(said.text) and not is_sure(said)
+
+
+def heard_for(hypotheses: Sequence[Segment], seconds: float) -> tuple[Hypothesis, ...]:
+    """Return those that were said in so many seconds, each with its share of all."""
+    shares = zip(hypotheses, _shares(hypotheses), strict=True)
+    said = ((one, share) for one, share in shares if plausible(one, seconds))
+    return tuple(Hypothesis(words_of(one.text), share, one.likelihood) for one, share in said)
 
 
 def heard_again(alone: Sequence[Segment]) -> Callable[[Segment], float]:
