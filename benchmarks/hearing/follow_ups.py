@@ -16,6 +16,7 @@ from support.conversation import Talk
 from benchmarks.core.figures import Figure, Measured, NotHere
 from benchmarks.hearing.heard_robot import Robot
 from benchmarks.hearing.noise import CONDITIONS, KINDS, Condition, spoken
+from edgevox.core.commands import Heard
 from edgevox.models import ModelMissing
 from edgevox.voice.stt.speech_to_text import Transcript
 from training.acoustics import Half
@@ -72,7 +73,14 @@ def _counts(talk: Talk) -> Counts:
     """Whether words count that follow by a second, and last for half of one."""
     began_s = talk.clock.now_s + 1.0
     takes = talk.conversation.follow_ups.takes
-    return lambda said: takes(said.text, said.confidence, began_s, began_s + 0.5)
+
+    def counts(said: Transcript) -> bool:
+        others, sure = said.others, said.confidence
+        return takes(
+            Heard(said.text, began_s + 0.5, confidence=sure, others=others, began_s=began_s)
+        )
+
+    return counts
 
 
 def _heard(

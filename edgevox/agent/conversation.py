@@ -143,7 +143,7 @@ class Conversation:
         self._question = OpenQuestion(bus, self._clock)
         self._asking = Asking(interpreter, performer, dialogue, self._question, confirm=confirm)
         self.follow_ups = FollowUps(
-            self._question, self._asking.follows, self._clock, within_s=follow_up_s
+            self._question, self._asking.replies.follows, self._clock, within_s=follow_up_s
         )
         interlock.on_stop(lambda _: self.follow_ups.close())
         self._numbers = itertools.count(1)
@@ -351,7 +351,7 @@ class Conversation:
         asks = held is not None and held.outcome is Outcome.ASKED
         may_move = self._executor.busy or bool(self.programs.kept)
         stops = heard.spotted or (may_move and self.is_stop(heard.text))
-        goes_on = not (asks or stops) and self._asking.encourages(
+        goes_on = not (asks or stops) and self._asking.replies.encourages(
             heard.text, heard.confidence, heard.rate
         )
         if not goes_on and held is self._turn:

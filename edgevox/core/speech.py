@@ -6,6 +6,7 @@ from enum import StrEnum
 from typing import Protocol
 
 from edgevox.core.cancel import CancelToken
+from edgevox.core.commands import Heard
 
 
 class Ending(StrEnum):
@@ -81,5 +82,5 @@ class FollowUp(Protocol):
     def asked(self, ended_s: float) -> bool:
         """True if words that end then may answer a question of the robot."""
 
-    def takes(self, text: str, confidence: float, began_s: float, ended_s: float) -> bool:
-        """True if these words do so. `confidence` is that of the transcript, from 0 to 1."""
+    def takes(self, heard: Heard) -> bool:
+        """True if these words do so."""

@@ -202,28 +202,28 @@ class Transcriber:
         known = guess and (guess.ended_s, guess.language) == (job.ended_s, self._language())
         words = guess if guess and known else self._words(job)
         said = words.said
-        counts = not job.unaddressed or (bool(said.text) and self._is_for_it(said, job))
-        if counts or job.spotted:
-            told = said if counts else Transcript("", said.confidence)
-            heard = Heard(
-                told.text,
-                job.ended_s,
-                words.took_s,
-                way=words.way,
-                spotted=job.spotted,
-                confidence=told.confidence,
-                others=told.others,
-                rate=told.rate,
-                began_s=job.began_s,
-                over=job.over,
-            )
+        heard = Heard(
+            said.text,
+            job.ended_s,
+            words.took_s,
+            way=words.way,
+            spotted=job.spotted,
+            confidence=said.confidence,
+            others=said.others,
+            rate=said.rate,
+            began_s=job.began_s,
+            over=job.over,
+        )
+        if not job.unaddressed or (bool(said.text) and self._is_for_it(heard, job)):
             self._submit(heard)
+        elif job.spotted:
+            self._submit(replace(heard, text="", others=(), rate=None))
 
-    def _is_for_it(self, said: Transcript, job: TranscriptionJob) -> bool:
-        if self._is_stop(said.text):
+    def _is_for_it(self, heard: Heard, job: TranscriptionJob) -> bool:
+        if self._is_stop(heard.text):
             return True
         takes = self._follow_up.takes if self._follow_up and job.awaited else None
-        return takes is not None and takes(said.text, said.confidence, job.began_s, job.ended_s)
+        return takes is not None and takes(heard)
 
     def _judged(self, words: "_Words") -> "_Words":
         """Return the words with their ending; open if it cannot be judged."""

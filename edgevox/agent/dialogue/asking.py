@@ -12,20 +12,18 @@ from edgevox.agent.dialogue.acts import Answer, Answers
 from edgevox.agent.dialogue.corrections import Corrections, Instead
 from edgevox.agent.dialogue.performer import Performer, Prepared
 from edgevox.agent.dialogue.question import OpenQuestion, Question
+from edgevox.agent.dialogue.replies import YES_FROM, Replies
 from edgevox.agent.dialogue.skills import DOING, OTHER, DialogueSkills
-from edgevox.agent.nlu.disfluencies import is_back_channel
 from edgevox.agent.nlu.interpreter import Interpreter
-from edgevox.agent.nlu.meaning import ASK_FROM, HEARD_FROM, SURE_FROM, Meaning
+from edgevox.agent.nlu.meaning import ASK_FROM, SURE_FROM, Meaning
 from edgevox.agent.nlu.templates import RefusedCommand
 from edgevox.agent.policy import NeedsConfirmation, Rule
 from edgevox.agent.skills import STOP, Call
-from edgevox.agent.stop.words import denies_stop, find_stop_word
+from edgevox.agent.stop.words import denies_stop
 from edgevox.agent.text.words import continued
 from edgevox.agent.turn import Turn
 from edgevox.core.agent_events import ConfirmationStatus
-from edgevox.core.commands import Rate
 from edgevox.core.events import Outcome
-from edgevox.core.languages import STOP_WORDS
 from edgevox.core.settings import Confirm
 
 WHETHER_IN, WHERE = "are_you_in", "get_pose"
@@ -34,22 +32,6 @@ WHETHER_IN, WHERE = "are_you_in", "get_pose"
 _FAIRLY_SURE_FROM = {"template": SURE_FROM, "reading": (ASK_FROM + SURE_FROM) / 2 + 0.01}
 """Confidences by source from which on a countdown may stand in for a question: that of readings is
 above those of all doubtful ones."""
-
-YES_FROM = 0.6
-"""Recognition confidence below which the robot asks again after a spoken yes, so that no guessed
-yes moves it. Of 58 yeses by the tuning voices, in quiet and in noise, 55 were surer."""
-
-FOLLOWS_FROM, ANSWERS_FROM, DENIES_FROM = 0.6, 0.4, 0.3
-"""Recognition confidence from which words without the wake word count: orders and corrections, a
-yes to its question, about which it asks again below `YES_FROM`, and a no, which moves nothing."""
-
-_USUAL_STOPS, _USUAL_BACK_CHANNELS, _FAR_MORE_LIKE = 3, 8, 2.0
-"""Words of each kind that are rated by the sound, and by how much more likely, in nats, one that
-encourages must be. Of 22 stop words by the tuning voices over the robot's own, one sounded so much
-like another; it was spotted, and surely heard."""
-
-_FEW_WORDS, _LETTERS = 3, 2
-"""So many words may be a mumble; in a script without spaces, of so many characters each."""
 
 
 class Asking:
@@ -77,6 +59,7 @@ class Asking:
         self._dialogue_skills = dialogue_skills
         self._last = performer.last
         self._corrections = Corrections(interpreter, question, performer.last)
+        self.replies = Replies(interpreter, performer, question, self._corrections)
 
     def set_language(self) -> None:
         """Read answers in the interpreter's language from now on."""
@@ -90,84 +73,23 @@ class Asking:
         """Forget the last drive, so that nothing is left to correct."""
         self._last.forget()
 
-    def follows(self, text: str, hearing: float) -> bool:
-        """True if these words answer the robot, correct it or are a plain command. Any thread.
-
-        While it counts down, any words do. `hearing` is how surely they were heard, from 0 to 1: a
-        lone "yes" or "no" is short, and is heard less surely than an order.
-        """
-        if self.question.counts_down:
-            return True
-        answer = self._answers.read(text)
-        if answer is not None and self.question.asked:
-            return hearing >= (ANSWERS_FROM if answer is Answer.YES else DENIES_FROM)
-        if hearing < FOLLOWS_FROM:
-            return False
-        if answer is Answer.NO and self._performer.moving:
-            return True
-        if self._chosen(text) or self._corrections.bare(text):
-            return True
-        matters = self.question.asked or self._performer.moving
-        if self._corrections.of(text) or (matters and self._corrections.denies(text)):
-            return True
-        plain = self._interpreter.plain(text)
-        return isinstance(plain, Meaning) and plain.sure
-
-    def encourages(self, text: str, hearing: float, rate: Rate | None = None) -> bool:
-        """True if words over the robot's speech want it to go on: "mm-hm", laughter. Any thread.
-
-        A few words that were hardly heard are taken for such if they mean nothing to it (Whisper
-        writes "shore" for "sure"), or if the sound is far more like a word that encourages: Whisper
-        expects stop words, and writes "halt" for "uh-huh".
-        `hearing` is how surely they were heard, from 0 to 1, and `rate` rates texts by the sound.
-        """
-        if self.question.asked:
-            return False
-        if self._encourages(text):
-            return True
-        if hearing >= HEARD_FROM or not self._is_short(text):
-            return False
-        if self._means_nothing(text):
-            return True
-        return rate is not None and self._sounds_encouraging(text, rate)
-
-    def _is_short(self, text: str) -> bool:
-        spaced = self._interpreter.phrases.hearing.spaced
-        return (len(text.split()) if spaced else len(text) / _LETTERS) <= _FEW_WORDS
-
-    def _means_nothing(self, text: str) -> bool:
-        """True for words that are no answer, no correction, no plain command and no stop."""
-        return (
-            self._answers.read(text) is None
-            and not self._answers.may_correct(text)
-            and self._interpreter.plain(text) is None
-            and find_stop_word(self._interpreter.phrases.code, text) is None
-        )
-
-    def _sounds_encouraging(self, text: str, rate: Rate) -> bool:
-        """True if the sound is far more like an encouragement than like these words or a stop."""
-        book = self._interpreter.phrases
-        stops = STOP_WORDS[book.code].anywhere[:_USUAL_STOPS]
-        listens = book.hearing.back_channels[:_USUAL_BACK_CHANNELS]
-        rated = rate([text, *(f"{one.capitalize()}." for one in (*stops, *listens))])
-        others = 1 + len(stops)
-        return max(rated[others:]) >= max(rated[:others]) + _FAR_MORE_LIKE
-
-    def _encourages(self, text: str) -> bool:
-        said_yes = self._answers.read(text) is Answer.YES
-        return said_yes or is_back_channel(text, self._interpreter.phrases.code)
-
     def attend(self, text: str, turn: Turn, said_s: float) -> Meaning | None:
         """Do what these words ask for, or ask first; return what was done, or None.
 
         `said_s` is the time when the words ended: words from before a question do not answer it.
         """
         self.question.expire()
-        if choice := self._chosen(text):
+        if misheard := self.replies.misheard(text, turn.others):
+            text, turn.hearing = misheard.text, misheard.confidence
+        if choice := self.replies.chosen(text):
             return self._carried_out(choice, turn, said_s)
         counting = self.question.asked if self.question.counts_down else None
-        if counting and self._encourages(text):
+        if counting and self.replies.urges(text):
             return self._carried_out(counting.meaning, turn, said_s)
+        return self._attend(text, turn, said_s)
+
+    def _attend(self, text: str, turn: Turn, said_s: float) -> Meaning | None:
+        """The same, for words that choose nothing and urge to nothing."""
         if denies_stop(self._interpreter.phrases.code, text):
             return self._tell_doing(turn)
         answer = self._answers.read(text)
@@ -407,14 +329,6 @@ class Asking:
         if prepared := self._performer.prepare(meaning, turn, confirmed=True):
             self._performer.perform(prepared, turn)
         return meaning
-
-    def _chosen(self, text: str) -> Meaning | None:
-        """The one of several meanings that an answer to the open question chooses, or None."""
-        asked = self.question.asked
-        if asked is None or not asked.others:
-            return None
-        chosen = self._answers.chosen(text, asked.sentences)
-        return None if chosen is None else (asked.meaning, *asked.others)[chosen]
 
     def _either(self, text: str) -> tuple[Sequence[str], Sequence[Meaning]] | None:
         """The orders or questions that a sentence with an "or" leaves open, or None."""

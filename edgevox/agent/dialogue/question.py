@@ -17,7 +17,7 @@ from edgevox.agent.turn import Turn
 from edgevox.core.agent_events import AskedCall, Confirmation, ConfirmationStatus, ToolCalled
 from edgevox.core.bus import Bus
 from edgevox.core.clock import Clock
-from edgevox.core.commands import Way
+from edgevox.core.commands import Heard, Way
 
 EXPIRES_S = 20.0
 """Seconds that a question stays open after it was said to its end."""
@@ -215,7 +215,7 @@ class OpenQuestion:
 class FollowUps:
     """Implements `core.speech.FollowUp` for a conversation. Any thread may use it.
 
-    `follows` tells whether words, heard so surely, answer, correct or command. `within_s` is
+    `follows` tells whether words answer, correct or command. `within_s` is
     how long after a spoken answer they may begin; 0 turns all follow-ups off, except while the
     robot counts down: then any words count. A question takes answers for as long as it is open.
     Only words that were spoken to the robot are answered so: after typed ones nobody is near.
@@ -224,7 +224,7 @@ class FollowUps:
     def __init__(
         self,
         question: OpenQuestion,
-        follows: Callable[[str, float], bool],
+        follows: Callable[[Heard], bool],
         clock: Clock,
         *,
         within_s: float,
@@ -261,6 +261,7 @@ class FollowUps:
             return True
         return bool(self._within_s) and self._asked and self._question.is_answered_at(ended_s)
 
-    def takes(self, text: str, confidence: float, began_s: float, ended_s: float) -> bool:
+    def takes(self, heard: Heard) -> bool:
         """See `FollowUp.takes`."""
-        return self.awaits(began_s, ended_s) and self._follows(text, confidence)
+        began_s = heard.ended_s if heard.began_s is None else heard.began_s
+        return self.awaits(began_s, heard.ended_s) and self._follows(heard)

@@ -11,7 +11,7 @@ from edgevox.agent.dialogue.question import COUNTDOWN_S, EXPIRES_S, SPOKEN_S
 from edgevox.agent.nlu.meaning import ASK_FROM, SURE_FROM
 from edgevox.agent.skills import Call
 from edgevox.core.agent_events import GoalRejected, ToolCalled
-from edgevox.core.commands import Interrupt, RunSkill, StopSpotted, TextInput
+from edgevox.core.commands import Heard, Interrupt, RunSkill, StopSpotted, TextInput
 from edgevox.core.events import TurnEnded
 from edgevox.core.languages import LANGUAGES
 
@@ -151,7 +151,7 @@ def test_any_words_count_without_the_wake_word_while_it_counts(tmp_path):
         now_s = talk.clock.now()
         follow_ups = talk.conversation.follow_ups
         assert follow_ups.awaits(now_s, now_s)
-        assert follow_ups.takes("no no not that", 0.9, now_s, now_s)
+        assert follow_ups.takes(Heard("no no not that", now_s, confidence=0.9))
         talk.say("no")
         assert not follow_ups.awaits(now_s, now_s)
 

@@ -1,10 +1,13 @@
 """What a person may say without the wake word, shortly after the robot spoke to that person."""
 
+from dataclasses import replace
+
 import pytest
 from support.conversation import Talk
 
 from edgevox.agent.dialogue.question import EXPIRES_S
-from edgevox.core.commands import Heard, TextInput
+from edgevox.core.agent_events import GoalChanged
+from edgevox.core.commands import Heard, Hypothesis, TextInput
 from edgevox.core.events import TurnEnded
 
 WITHIN_S = 8.0
@@ -13,7 +16,8 @@ WITHIN_S = 8.0
 def takes(talk: Talk, text: str, *, after_s: float = 1.0, confidence: float = 1.0) -> bool:
     """Whether words count that begin so long after what was said last, and last half a second."""
     began_s = talk.clock.now_s + after_s
-    return talk.conversation.follow_ups.takes(text, confidence, began_s, began_s + 0.5)
+    heard = Heard(text, began_s + 0.5, confidence=confidence, began_s=began_s)
+    return talk.conversation.follow_ups.takes(heard)
 
 
 @pytest.mark.parametrize(
@@ -68,6 +72,60 @@ def test_words_that_were_heard_badly_are_for_nobody(text: str, least: float) -> 
         talk.hear("go to the kitchen")
         assert takes(talk, text, confidence=least)
         assert not takes(talk, text, confidence=least - 0.05)
+
+
+def misheard(talk: Talk, text: str, *others: str) -> Heard:
+    """Words by a second after what was said last, and what else they may have been."""
+    began_s = talk.clock.now_s + 1.0
+    maybe = tuple(Hypothesis(one, 0.3, 0.8) for one in others)
+    return Heard(text, began_s + 0.5, confidence=0.7, others=maybe, began_s=began_s)
+
+
+@pytest.mark.parametrize(
+    ("text", "other", "then"),
+    [
+        ("Delta.", "Yeah.", "Shall I go to the kitchen?"),
+        ("Short go.", "Sure, go.", "Shall I go to the kitchen?"),
+        ("Go now.", "Oh, no.", "All right, I leave it."),
+        ("Know the office.", "No, the office.", "Shall I go to the office?"),
+    ],
+)
+def test_an_answer_that_was_misheard_is_asked_for_again_or_declines(
+    text: str, other: str, then: str
+) -> None:
+    with Talk(confirm="always") as talk:
+        talk.hear("go to the kitchen")
+        heard = misheard(talk, text, other)
+
+        assert talk.conversation.follow_ups.takes(heard)
+        talk.clock.advance(2.0)
+        assert [one.text for one in talk.answers_to(heard)] == [then]
+        assert not talk.of(GoalChanged)
+
+
+@pytest.mark.parametrize(
+    ("text", "other"),
+    [
+        ("Delta.", "Dealt her."),
+        ("Turn the page over now.", "Yes."),
+        ("where are you", "Yes."),
+        ("the stop is near", "Yes."),
+    ],
+)
+def test_words_that_mean_something_else_or_are_many_are_no_misheard_answer(
+    text: str, other: str
+) -> None:
+    with Talk(confirm="always") as talk:
+        talk.hear("go to the kitchen")
+        heard = replace(misheard(talk, text, other), confidence=0.5)
+
+        assert not talk.conversation.follow_ups.takes(heard)
+
+
+def test_nothing_is_taken_for_an_answer_where_nothing_was_asked() -> None:
+    with Talk(follow_up_s=WITHIN_S) as talk:
+        talk.hear("where are you")
+        assert not talk.conversation.follow_ups.takes(misheard(talk, "Delta.", "Yes."))
 
 
 def test_a_choice_is_answered_without_the_wake_word() -> None:

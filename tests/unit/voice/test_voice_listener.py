@@ -228,8 +228,8 @@ class Answers:
     def asked(self, ended_s):
         return True
 
-    def takes(self, text, confidence, began_s, ended_s):
-        return text == "yes"
+    def takes(self, heard):
+        return heard.text == "yes"
 
 
 ADDRESSED = [*[VOICE] * 20, WAKE, *spoken()]

@@ -186,7 +186,7 @@ def test_a_held_answer_that_is_cut_says_no_more_and_the_next_one_is_not_held(rig
     utterance = rig.speech_output.begin(token, lambda: None)
     utterance.say(ONE)
     wait_for(held)
-    wait_for(rig.speech_output.prepare())  # all of it was synthesised: how long a word takes is known
+    wait_for(rig.speech_output.prepare())  # all was synthesised: how long a word takes is known
 
     token.cancel("spoken over")
 
