@@ -38,7 +38,7 @@ LANGUAGE = "ar"
 CONDITIONS = ("quiet", "10 dB", "5 dB")
 STOPS, OTHERS = ("stop", "cancel"), ("no", "yes", "move", "start")
 TABLE = "People who say a stop word in Arabic"
-EVERY = {**dict.fromkeys(STOPS, 5), **dict.fromkeys(OTHERS, 10)}
+EVERY = {**dict.fromkeys(STOPS, 5), **dict.fromkeys(OTHERS, 20)}
 """Each speaker has said each word ten times; of them one in so many is heard."""
 
 
