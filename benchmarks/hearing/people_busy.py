@@ -42,7 +42,7 @@ from edgevox.voice.vad import open_vad
 from training.acoustics import Half
 
 TABLE = "People's orders in real time on two cores"
-IDLE, BUSY = "idle", "beside a process that is busy"
+ALONE, BUSY = "alone", "beside a busy process"
 WORST = tuple(Outcome)
 ORDERS = 40
 CORES = 2
@@ -149,7 +149,7 @@ def measure(quick: bool = False) -> Measured:
 def _measured(quick: bool) -> dict[str, list[Ordered]]:
     every = orders(Half.HELD_OUT)
     every = every[:: len(every) // ORDERS][: 4 if quick else ORDERS]
-    found: dict[str, list[Ordered]] = {IDLE: [], BUSY: []}
+    found: dict[str, list[Ordered]] = {ALONE: [], BUSY: []}
     with Waiter() as waiter:
         for number, order in enumerate(every):
             condition = CONDITIONS[number % len(CONDITIONS)]
@@ -171,10 +171,10 @@ def _busy_process() -> Iterator[None]:
 
 
 def _figures(found: Mapping[str, Sequence[Ordered]]) -> Iterator[Figure]:
-    idle = sum(one.good for one in found[IDLE])
+    alone = sum(one.good for one in found[ALONE])
     for beside, several in found.items():
         key = beside.split()[-1]
-        good, wanted = sum(one.good for one in several), LEAST_SHARE * 100 * idle / len(several)
+        good, wanted = sum(one.good for one in several), LEAST_SHARE * 100 * alone / len(several)
         yield Figure.share(
             f"good.{key}", TABLE, beside, good, len(several), column="right, or asked back",
             more_is_better=True, wanted=round(wanted, 1) if beside == BUSY else None,

@@ -12,19 +12,12 @@ from edgevox.core.log import get_logger
 from edgevox.core.speech import Ending, FollowUp
 from edgevox.core.spoken_names import without_phrase
 from edgevox.voice.audio import RATE_HZ, Samples
-from edgevox.voice.stt.speech_to_text import SpeechToText, Transcript
+from edgevox.voice.stt.speech_to_text import SpeechToText, Transcript, stop_first
 
 log = get_logger(__name__)
 
 MAX_WAITING = 8
 """The most utterances that may wait. One more is refused, counted and reported."""
-
-MAY_STOP = 0.25
-"""The share from which on a hypothesis that is a stop counts as said. A stop that one of two
-hearings is sure of has half; of 692 utterances without one, none had so much."""
-MAY_STOP_SHOWN = 0.7
-"""The share that stop words must have together where they were shown: of 13 people's words in
-Arabic, in quiet and in noise, a lone "yes", "no", "start" or "move" has less, in all but few."""
 
 KnownVoice = Callable[[Samples, float], bool]
 """Whether some speech, until a time of the clock, is that of a person who was enrolled."""
@@ -255,20 +248,8 @@ class Transcriber:
             self.failed += 1
             log.exception("speech_to_text_broke")
         else:
-            return self._stop_first(_after(job.phrase, said) if job.phrase else said)
+            return stop_first(_after(job.phrase, said) if job.phrase else said, self._is_stop)
         return Transcript("")
-
-    def _stop_first(self, said: Transcript) -> Transcript:
-        """The transcript, with a stop that may have been said as its words: when in doubt, stop."""
-        if self._is_stop(said.text):
-            return said
-        likely = [one for one in said.others if one.share >= MAY_STOP and self._is_stop(one.text)]
-        shown = [one for one in said.stops if self._is_stop(one.text)]
-        if sum(one.share for one in shown) >= MAY_STOP_SHOWN:
-            likely += shown
-        if not likely:
-            return said
-        return replace(said, text=likely[0].text, confidence=likely[0].confidence)
 
 
 def _after(phrase: str, said: Transcript) -> Transcript:

@@ -1,6 +1,7 @@
 """The interface of a speech-to-text engine, and a watch over it that tells of its failures.
 
-`plausible` tests whether Whisper's words were said, or made of noise.
+`stop_first` prefers a stop word that may have been said; `plausible` tests whether Whisper's words
+were said, or made of noise.
 """
 
 import math
@@ -43,6 +44,30 @@ class SpeechToText(Protocol):
         """Load what the language needs, so that the first utterance does not wait for it."""
 
     def close(self) -> None: ...
+
+
+MAY_STOP = 0.25
+"""The share from which on a hypothesis that is a stop counts as said. A stop that one of two
+hearings is sure of has half; of 692 utterances without one, none had so much."""
+MAY_STOP_SHOWN = 0.7
+"""The share that stop words must have together where they were shown: of 13 people's words in
+Arabic, in quiet and in noise, a lone "yes", "no", "start" or "move" has less, in all but few."""
+
+
+def stop_first(said: Transcript, is_stop: Callable[[str], bool]) -> Transcript:
+    """Return the transcript, with a stop that may have been said as its words.
+
+    When in doubt, stop.
+    """
+    if is_stop(said.text):
+        return said
+    likely = [one for one in said.others if one.share >= MAY_STOP and is_stop(one.text)]
+    shown = [one for one in said.stops if is_stop(one.text)]
+    if sum(one.share for one in shown) >= MAY_STOP_SHOWN:
+        likely += shown
+    if not likely:
+        return said
+    return replace(said, text=likely[0].text, confidence=likely[0].confidence)
 
 
 TELL_EVERY_S = 20.0

@@ -9,8 +9,8 @@ from waiting import Heard as Told
 
 from edgevox.core.clock import SystemClock
 from edgevox.core.commands import Heard, Hypothesis, Transcribing
-from edgevox.voice.stt.speech_to_text import Transcript
-from edgevox.voice.transcriber import MAY_STOP, MAY_STOP_SHOWN, Transcriber, TranscriptionJob
+from edgevox.voice.stt.speech_to_text import MAY_STOP, MAY_STOP_SHOWN, Transcript
+from edgevox.voice.transcriber import Transcriber, TranscriptionJob
 
 SOUND = np.zeros(1600, np.int16)
 
