@@ -55,6 +55,8 @@ TOPIC_IN = AUDIO_IN.topic
 SAMPLE_BYTES = 2
 MAX_BYTES = SAMPLE_BYTES * RATE_HZ
 """One second. A longer message is refused: it would be heard late."""
+WAITING = 200
+"""Messages that may wait for a busy processor: 2 s of 10 ms each, as much as waits in `Pushed`."""
 
 
 class AudioIn:
@@ -71,7 +73,7 @@ class AudioIn:
         self.refused: Counter[Refusal] = Counter({Refusal.INVALID: 0, Refusal.TOO_LONG: 0})
         self._node = node
         self._subscription = node.create_subscription(
-            AudioData, TOPIC_IN, self._hear, profile(AUDIO_IN.qos)
+            AudioData, TOPIC_IN, self._hear, profile(AUDIO_IN.qos, at_least=WAITING)
         )
         source.name = node.resolve_topic_name(TOPIC_IN)
 
