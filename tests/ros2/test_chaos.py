@@ -35,6 +35,9 @@ MARGIN_MB = 40 + KEPT_PROMPTS_MIB
 """What may be more at the end. The model keeps other chats, up to that, to go on with: it talked in
 three languages. Its context, of which 4,096 tokens take 50 MB, fills as a chat gets longer, and the
 allocator keeps some. `models/test_llm_memory.py` looks at the model alone, more closely."""
+LATE = {"threads": 2, "files": 0}
+"""What may be more at the end. OpenMP starts a helper for each thread when that first computes in
+parallel, and the one that rates unsure words may do so late: it waits for words that are unsure."""
 FORGOTTEN_S, GIVEN_UP_S = LEASE_S + 4.0, 60.0
 """The middleware gives a killed peer up after its lease, on a busy machine a little later."""
 SLOWER, SLACK_S = 3.0, 2.0
@@ -170,9 +173,10 @@ def test_after_five_minutes_of_chaos_it_answers_drives_and_stops_as_before(
             then = f"{name} took {before[name]:.2f} s, and then {seconds:.2f} s"
             assert seconds < limit, f"{then}; {machine}"
         assert last.own_mb < first.own_mb + MARGIN_MB, f"{first}, then {last}"
-        for what in ("threads", "files"):
+        for what, late in LATE.items():
+            most = asdict(first)[what] + late
             wait_until(
-                lambda what=what: asdict(robot.taken())[what] <= asdict(first)[what],
+                lambda what=what, most=most: asdict(robot.taken())[what] <= most,
                 f"{what}: {first}, then {robot.taken()}",
                 GIVEN_UP_S,
             )
