@@ -316,9 +316,16 @@ class Interpreter:
         )
 
     def _said_instead(self, text: str, turn: Turn) -> Meaning | None:
-        """The plain command among the other hypotheses; None for words that deny or put off."""
+        """The plain command among the other hypotheses; None for words that deny or put off.
+
+        Where the words lack a value, or name another thing, it is asked about.
+        """
         found = likeliest(turn.others, self.plain)
-        return None if found is None or self.is_held_back(text) else found
+        if found is None or not self.is_held_back(text):
+            return found
+        if any(self._readings[agent.name].objections(text) for agent in self._active_first()):
+            return None
+        return found.heard(0.0)
 
     def _sounds_like(self, text: str, turn: Turn) -> Meaning | None:
         """The command that meaningless spoken words sound like.

@@ -18,7 +18,7 @@ from edgevox.core.languages import LANGUAGES
 
 ENOUGH = 30
 FIELDS = ("yes", "no", "not_", "polite")
-COMMANDS = {"en": {"go ahead"}, "it": {"vai avanti"}, "pt": {"vai em frente", "vá em frente"}}
+COMMANDS = {"it": {"vai avanti"}, "pt": {"vai em frente", "vá em frente"}}
 """Answers that are a command to a robot that walks, and are one where it asked nothing."""
 
 

@@ -8,19 +8,26 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from support.body import FakeBody
-from support.conversation import LETTERS
+from support.clock import HeldClock
+from support.conversation import LETTERS, CertainEncoder
 
+from benchmarks.hearing.people import barista
 from edgevox.agent.agents import Agent
+from edgevox.agent.nlu.decider import Decider
+from edgevox.agent.nlu.encoder import read_head
 from edgevox.agent.nlu.hearing.hypotheses import breaks_off, is_contested
 from edgevox.agent.nlu.hearing.near import NearCommands, NearStop
 from edgevox.agent.nlu.hearing.network import Network, Sentences
 from edgevox.agent.nlu.hearing.sounds import SpanTable, sounds_of
 from edgevox.agent.nlu.hearing.wordings import MOST_CHARACTERS, HearingPrompts, wordings
+from edgevox.agent.nlu.interpreter import Interpreter
 from edgevox.agent.nlu.meaning import Meaning
 from edgevox.agent.nlu.templates import Recogniser, Understood
 from edgevox.agent.phrases.load import phrasebook
 from edgevox.agent.skills import Call, OneOf, SkillSet, skill
-from edgevox.core.commands import Hypothesis
+from edgevox.agent.turn import Turn
+from edgevox.core.bus import Bus
+from edgevox.core.commands import Hypothesis, Way
 from edgevox.core.languages import LANGUAGES
 from edgevox.voice.stt.speech_to_text import SHOWN_COMMANDS
 
@@ -396,3 +403,24 @@ def test_a_value_has_no_word_that_was_not_heard():
 
     assert not near.nearest([heard(said)]).sure
     assert not near.nearest([hardly(said)], rates(department=-1)).sure
+
+
+@pytest.mark.parametrize(
+    ("text", "asked"),
+    [
+        ("Brew a coffee with some skin milk.", True),
+        ("Never brew a coffee with some skin milk.", False),
+    ],
+)
+def test_a_command_among_the_hypotheses_is_asked_about_where_the_words_lack_a_value(
+    text: str, asked: bool
+) -> None:
+    decider, bus, clock = Decider(CertainEncoder(), read_head()), Bus(), HeldClock()
+    interpreter = Interpreter([Agent("robot", "", barista())], bus, clock, decider=decider)
+    others = (Hypothesis("Brew a coffee with some skim milk.", 0.4, 0.8),)
+    turn = Turn(1, bus, clock, lambda: None, way=Way.VOICE, hearing=0.9, others=others)
+
+    meant = interpreter.understand(text, turn)
+
+    assert (meant is not None) is asked
+    assert meant is None or (meant.calls[0].arguments["milk"] == "skim milk" and not meant.sure)
