@@ -158,6 +158,8 @@ people: $(DONE)/dev $(DONE)/msgs ## Measure hearing, and who speaks, on real peo
 	@$(if $(PEOPLE),,echo "make people: PEOPLE names no folder of recordings" >&2; exit 2)
 	@$(BIN)/edgevox-models fetch $(TEST_MODELS)
 	@EDGEVOX_PEOPLE=$(abspath $(PEOPLE)) $(BIN)/python -m benchmarks.hearing.people $(ARGS)
+	@EDGEVOX_PEOPLE=$(abspath $(PEOPLE)) $(BIN)/python -m benchmarks.hearing.people_busy
+	@-EDGEVOX_PEOPLE=$(abspath $(PEOPLE)) $(BIN)/python -m benchmarks.hearing.people_stops
 	@EDGEVOX_PEOPLE=$(abspath $(PEOPLE)) $(BIN)/python -m benchmarks.hearing.voiceprints $(ARGS)
 
 .PHONY: image

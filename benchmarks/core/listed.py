@@ -100,6 +100,14 @@ BENCHMARKS: Mapping[str, Benchmark] = {
         "benchmarks.hearing.people",
         "orders, a wake word and other words by real people; needs their recordings",
     ),
+    "people_stops": Benchmark(
+        "benchmarks.hearing.people_stops",
+        "stop words by real people in Arabic; needs their recordings",
+    ),
+    "people_busy": Benchmark(
+        "benchmarks.hearing.people_busy",
+        "real people's orders in real time, beside a busy process; needs their recordings",
+    ),
     "robots": Benchmark("benchmarks.robots.bodies", "every body beside its simulator alone"),
     "overhead": Benchmark("benchmarks.agent.overhead", "what logs, metrics and diagnostics cost"),
     "console": Benchmark(

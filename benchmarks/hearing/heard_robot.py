@@ -59,12 +59,12 @@ class Robot:
         self.skills = skills or skills_of_robots()[name]
         prompt = hearing_prompt(self.skills.values(), phrasebook("en"))
         self._path = locate(model)
-        self._whisper = Whisper(lambda _: self._path, prompt_of=lambda _: prompt)
+        self.whisper = Whisper(lambda _: self._path, prompt_of=lambda _: prompt)
         self._bus, self._clock = Bus(), SystemClock()
 
     def speak(self, language: str) -> None:
         """Be talked to in another language."""
-        self._interpreter.set_language(language)
+        self.interpreter.set_language(language)
 
     def hear(self, sound: Samples) -> list[Transcript]:
         """The words of each utterance in a sound, and how sure they are."""
@@ -72,7 +72,7 @@ class Robot:
 
     def hear_out(self, sound: Samples) -> Transcript:
         """The same of a sound that is taken for an utterance, whatever it is."""
-        return self._whisper.transcribe(sound, "en")
+        return self.whisper.transcribe(sound, "en")
 
     def does(self, several: Sequence[Transcript], wanted: Call) -> Outcome:
         """What becomes of these utterances, where that was meant, by the worst of what is done."""
@@ -108,7 +108,8 @@ class Robot:
         return "changes something for good" if lasting else Outcome.NOTHING.value
 
     @cached_property
-    def _interpreter(self) -> Interpreter:
+    def interpreter(self) -> Interpreter:
+        """What understands its words."""
         agent = Agent("robot", "", self.skills)
         return Interpreter(
             [agent], self._bus, self._clock, decider=open_decider(), phonemes=open_phonemes()
@@ -120,10 +121,10 @@ class Robot:
             1, self._bus, self._clock, lambda: None, way=Way.VOICE,
             hearing=said.confidence, others=said.others, rate=said.rate,
         )  # fmt: skip
-        meaning = self._interpreter.understand(said.text, turn)
+        meaning = self.interpreter.understand(said.text, turn)
         if meaning is None:
             return None, turn.text
-        return self._interpreter.as_heard(meaning, said.text, turn), turn.text
+        return self.interpreter.as_heard(meaning, said.text, turn), turn.text
 
     def _drives(self, meaning: Meaning) -> bool:
         return any(self.skills[call.skill].drives for call in meaning.every_call)

@@ -21,7 +21,7 @@ from edgevox.models import ModelMissing, locate
 from edgevox.voice.audio import FRAME_S, RATE_HZ, Samples
 from edgevox.voice.tts.voices import VoicePool
 from edgevox.voice.vad import open_vad
-from edgevox.voice.wake.micro import MicroWakeWord
+from edgevox.voice.wake.micro import open_network
 from edgevox.voice.wake.wakeword import WakeWord
 from edgevox.voice.word_detection import WakeDetector
 from training.acoustics import Half
@@ -39,9 +39,7 @@ LEVEL = 0.05
 OTHER_H = {"micro": 2.0, "openwakeword": 0.1}
 """Hours of speech without the phrases."""
 ENGINES: dict[str, Callable[[str], WakeDetector]] = {
-    "micro": lambda phrase: MicroWakeWord(
-        locate("micro-wake-words") / f"{phrase.replace(' ', '_')}.json"
-    ),
+    "micro": lambda phrase: open_network(locate("micro-wake-words"), phrase),
     "openwakeword": lambda phrase: WakeWord(phrase, locate("wake-words")),
 }
 LABELS = {"micro": "microWakeWord (default)", "openwakeword": "openWakeWord"}

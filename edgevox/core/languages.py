@@ -125,6 +125,7 @@ class StopWords:
     others: tuple[str, ...] = ()
     ordinary: tuple[str, ...] = ()
     hesitant: tuple[str, ...] = ()
+    shown: tuple[str, ...] = ()
 
     @property
     def all(self) -> tuple[str, ...]:

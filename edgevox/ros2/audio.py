@@ -55,14 +55,16 @@ TOPIC_IN = AUDIO_IN.topic
 SAMPLE_BYTES = 2
 MAX_BYTES = SAMPLE_BYTES * RATE_HZ
 """One second. A longer message is refused: it would be heard late."""
+WAITING = 200
+"""Messages that may wait for a busy processor: 2 s of 10 ms each, as much as waits in `Pushed`."""
 
 
 class AudioIn:
     """Subscribes to a microphone's topic, best effort; the callback only queues.
 
     Messages are `edgevox_msgs/msg/AudioData`: 16 kHz, mono, 16 bit little-endian. A message that is
-    empty, cut within a sample or longer than a second is refused, counted and logged. Sound of
-    another form is told after `WINDOW_S`.
+    empty, cut within a sample or longer than a second is refused, counted, logged and told. Sound
+    of another form is told after `WINDOW_S`.
     """
 
     def __init__(self, node: Node, source: Pushed, clock: Clock | None = None) -> None:
@@ -71,7 +73,7 @@ class AudioIn:
         self.refused: Counter[Refusal] = Counter({Refusal.INVALID: 0, Refusal.TOO_LONG: 0})
         self._node = node
         self._subscription = node.create_subscription(
-            AudioData, TOPIC_IN, self._hear, profile(AUDIO_IN.qos)
+            AudioData, TOPIC_IN, self._hear, profile(AUDIO_IN.qos, at_least=WAITING)
         )
         source.name = node.resolve_topic_name(TOPIC_IN)
 
@@ -100,10 +102,12 @@ class AudioIn:
             return
         reason = Refusal.TOO_LONG if size > MAX_BYTES else Refusal.INVALID
         self.refused[reason] += 1
+        expected = f"16 bit samples, 1 to {MAX_BYTES} bytes"
+        self._source.doubt = f"a message of {size} bytes was refused; expected {expected}"
         log.warning(
             "sound_refused",
             topic=self._source.name,
             reason=reason,
             bytes=size,
-            expected=f"16 bit samples, 1 to {MAX_BYTES} bytes",
+            expected=expected,
         )

@@ -311,7 +311,7 @@ class Listener:
             return
         self._tell_heard(speech)
         if self._transcriber.guess(job) and self._judges:
-            self._endpointer.end_after(ENDS_AFTER_S[Ending.OPEN])
+            self._endpointer.end_after(ENDS_AFTER_S[Ending.BROKEN_OFF])
 
     def _wait_as_long_as_words_want(self) -> None:
         """A whole command ends at once, and what breaks off waits, once the words are known."""

@@ -12,17 +12,12 @@ from edgevox.core.log import get_logger
 from edgevox.core.speech import Ending, FollowUp
 from edgevox.core.spoken_names import without_phrase
 from edgevox.voice.audio import RATE_HZ, Samples
-from edgevox.voice.stt.speech_to_text import SpeechToText, Transcript
+from edgevox.voice.stt.speech_to_text import SpeechToText, Transcript, stop_first
 
 log = get_logger(__name__)
 
 MAX_WAITING = 8
 """The most utterances that may wait. One more is refused, counted and reported."""
-
-MAY_STOP = 0.25
-"""The share from which on a hypothesis that is a stop counts as said. A stop that one of two
-hearings is sure of has half; of 692 utterances without one, none had so much."""
-
 
 KnownVoice = Callable[[Samples, float], bool]
 """Whether some speech, until a time of the clock, is that of a person who was enrolled."""
@@ -253,19 +248,14 @@ class Transcriber:
             self.failed += 1
             log.exception("speech_to_text_broke")
         else:
-            return self._stop_first(_after(job.phrase, said) if job.phrase else said)
+            return stop_first(_after(job.phrase, said) if job.phrase else said, self._is_stop)
         return Transcript("")
-
-    def _stop_first(self, said: Transcript) -> Transcript:
-        """The transcript, with a stop that may have been said as its words: when in doubt, stop."""
-        likely = (one for one in said.others if one.share >= MAY_STOP)
-        stop = next((one for one in likely if self._is_stop(one.text)), None)
-        if stop is None or self._is_stop(said.text):
-            return said
-        return replace(said, text=stop.text, confidence=stop.confidence)
 
 
 def _after(phrase: str, said: Transcript) -> Transcript:
     """Return the transcript after the wake word, in every hypothesis."""
-    others = tuple(replace(one, text=without_phrase(one.text, phrase)) for one in said.others)
-    return replace(said, text=without_phrase(said.text, phrase), others=others)
+    others, stops = (
+        tuple(replace(one, text=without_phrase(one.text, phrase)) for one in several)
+        for several in (said.others, said.stops)
+    )
+    return replace(said, text=without_phrase(said.text, phrase), others=others, stops=stops)

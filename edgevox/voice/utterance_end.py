@@ -43,7 +43,8 @@ ENDS_AFTER_S: Mapping[Ending, float] = {
     Ending.OPEN: GOES_ON_S,
     Ending.BROKEN_OFF: 1.5,
 }
-"""Silence that ends an utterance, by how its words end. Speech to text takes a part of it."""
+"""Silence that ends an utterance, by how its words end. Speech to text takes a part of it; until
+the words are known, they may break off."""
 POST_ROLL_S = 0.2
 """Silence that is kept at its end."""
 EARLY_S = 0.2

@@ -57,9 +57,10 @@ def test_a_word_that_sounds_otherwise_is_not_swapped_for_another(interpreter: In
     assert meaning is None or not meaning.sure
 
 
-def test_a_stop_word_that_is_nearly_heard_stops_a_robot_that_drives() -> None:
+@pytest.mark.parametrize(("code", "heard"), [("en", "Free is a..."), ("ar", "توقع")])
+def test_a_stop_word_that_is_nearly_heard_stops_a_robot_that_drives(code: str, heard: str) -> None:
     phonemes = open_phonemes()
 
     assert phonemes is not None
-    assert SafetyWords("en").find("Free is a...") is None
-    assert NearStop("en", phonemes).find("Free is a...") is not None
+    assert SafetyWords(code).find(heard) is None
+    assert NearStop(code, phonemes).find(heard) is not None

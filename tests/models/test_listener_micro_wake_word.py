@@ -10,7 +10,8 @@ from listener_rig import RATE_HZ, chatter, heard_at, in_a_room, loud, noises, sa
 
 from edgevox.core.errors import InvalidValue
 from edgevox.models import locate
-from edgevox.voice.wake.micro import MicroWakeWord
+from edgevox.voice.wake import micro
+from edgevox.voice.wake.micro import MicroWakeWord, open_network
 
 PHRASES = ("alexa", "hey jarvis", "hey mycroft", "okay nabu")
 
@@ -50,10 +51,28 @@ def test_it_is_not_heard_in_five_minutes_of_other_speech_and_noise(hey_jarvis):
 
 @pytest.mark.parametrize("phrase", PHRASES)
 def test_every_phrase_loads_and_hears_nothing_in_silence(phrase):
-    wakeword = MicroWakeWord(described(phrase))
+    wakeword = open_network(locate("micro-wake-words"), phrase)
 
     assert wakeword.phrase == phrase
     assert heard_at(wakeword, silence(3.0)) == []
+    wakeword.close()
+
+
+def test_a_likelihood_that_was_chosen_for_a_phrase_counts_instead_of_the_networks(monkeypatch):
+    monkeypatch.setattr(micro, "CUTOFFS", {"hey jarvis": 1.0})
+    wakeword = open_network(locate("micro-wake-words"), "hey jarvis")
+
+    assert heard_at(wakeword, in_a_room(says_piper("hey jarvis"))) == []
+    wakeword.close()
+
+
+@pytest.mark.long
+def test_alexa_is_heard_and_is_not_in_five_minutes_of_other_speech():
+    wakeword = open_network(locate("micro-wake-words"), "alexa")
+    others = np.concatenate([np.append(sound, silence(0.3)) for sound in chatter()])
+
+    assert len(heard_at(wakeword, in_a_room(says_piper("alexa")))) == 1
+    assert heard_at(wakeword, others) == []
     wakeword.close()
 
 

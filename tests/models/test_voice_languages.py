@@ -7,13 +7,15 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
-from listener_rig import loud, silence
+from listener_rig import loud, says_espeak, silence
 from voice_engines import words, wrong_words
 from voice_rig import SLOWLY, says
 
+from edgevox.agent.stop.words import SafetyWords
 from edgevox.core.agent_events import AgentEvent
 from edgevox.core.commands import SetLanguage
 from edgevox.core.events import AudioLevel, Responded, Transcribed
+from edgevox.voice.stt.speech_to_text import stop_first
 from edgevox.voice.tts.voices import VoicePool
 
 pytestmark = pytest.mark.long
@@ -73,6 +75,18 @@ def test_it_obeys_answers_and_stops_in_a_language_and_after_a_switch_in_another(
         assert response == spoken.answer
         assert wrong_words(words(response), words(said)) <= 1
         assert rig.body.state()["goal"] is None
+
+
+@pytest.mark.parametrize(("said", "stops"), [("إلغاء", True), ("نعم", False)])
+def test_a_lone_stop_word_counts_where_only_stop_words_that_are_shown_tell_it(rig, said, stops):
+    sound = np.concatenate([silence(0.3), says_espeak(said, "ar"), silence(0.2)])
+    safety = SafetyWords("ar")
+
+    heard = rig.parts.voice.stt.transcribe(sound, "ar")
+
+    assert safety.find(heard.text) is None
+    first = stop_first(heard, lambda text: safety.find(text) is not None)
+    assert (safety.find(first.text) is not None) is stops
 
 
 def test_muted_it_hears_nothing_and_unmuted_it_hears_again(rig, pool):

@@ -1,8 +1,12 @@
 """A microphone node on the wire, and the source that it fills."""
 
+import threading
+
 import numpy as np
 import pytest
-from peer import SENSOR, Peer
+from guards import HUNG_S
+from peer import Peer
+from rclpy.qos import QoSProfile, ReliabilityPolicy
 from waiting import wait_until
 
 from edgevox.ros2.audio import MAX_BYTES, AudioIn
@@ -30,7 +34,8 @@ def robot(node):
 def microphone(domain, node, robot):
     """A publisher that the robot knows, too: what comes from others is lost."""
     microphone = Peer(domain)
-    publisher = microphone.node.create_publisher(AudioData, "audio_in", SENSOR)
+    qos = QoSProfile(depth=100, reliability=ReliabilityPolicy.BEST_EFFORT)
+    publisher = microphone.node.create_publisher(AudioData, "audio_in", qos)
     wait_until(lambda: publisher.get_subscription_count() > 0, "audio_in")
     (listening,) = (one for one in node.subscriptions if one.topic_name.endswith("audio_in"))
     wait_until(lambda: listening.get_publisher_count() > 0, "the microphone")
@@ -50,6 +55,27 @@ def test_what_a_microphone_node_publishes_is_heard_sample_by_sample(robot, micro
     assert np.array_equal(np.concatenate([frame.samples for frame in frames]), sound)
 
 
+def test_sound_that_comes_while_the_processor_is_busy_is_heard_later(
+    robot, microphone, monkeypatch
+):
+    _, source = robot
+    busy, push = threading.Event(), source.push
+
+    def pushed_later(samples: np.ndarray) -> None:
+        busy.wait(HUNG_S)
+        push(samples)
+
+    monkeypatch.setattr(source, "push", pushed_later)
+    sound = np.arange(40 * FRAME_SAMPLES, dtype="<i2")
+    for piece in np.split(sound, 80):
+        microphone.publish(AudioData(data=piece.tobytes()))
+    busy.set()
+    for piece in np.split(sound, 40):
+        frame = source.read(HUNG_S)
+        assert frame
+        assert np.array_equal(frame.samples, piece)
+
+
 @pytest.mark.parametrize("size", [0, 3, MAX_BYTES + 2])
 def test_a_message_that_cannot_be_sound_is_refused_and_said(robot, microphone, size, caplog):
     audio_in, source = robot
@@ -65,3 +91,4 @@ def test_a_message_that_cannot_be_sound_is_refused_and_said(robot, microphone, s
     reason = "too_long" if size > MAX_BYTES else "invalid"
     assert audio_in.refusals["audio_in", reason] == sum(audio_in.refusals.values())
     assert f"bytes={size}" in caplog.text
+    assert source.doubt.startswith(f"a message of {size} bytes was refused")

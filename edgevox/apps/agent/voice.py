@@ -110,7 +110,9 @@ def open_wakeword(settings: Settings) -> WakeDetector | None:
     if not settings.wakeword:
         return None
     if own := own_file(settings):
-        return _micro(own)
+        from edgevox.voice.wake.micro import MicroWakeWord
+
+        return MicroWakeWord(own)
     engine = settings.wakeword_engine
     phrase = " ".join(settings.wakeword.casefold().replace("_", " ").split())
     if phrase not in phrases(engine):
@@ -120,7 +122,9 @@ def open_wakeword(settings: Settings) -> WakeDetector | None:
         raise InvalidValue("wakeword", settings.wakeword, f"one of {known}, or a .json file{hint}")
     folder = locate(MODELS[engine])
     if engine == "micro":
-        return _micro(folder / f"{phrase.replace(' ', '_')}.json")
+        from edgevox.voice.wake.micro import open_network
+
+        return open_network(folder, phrase)
     from edgevox.voice.wake.wakeword import WakeWord
 
     licence = builtin_manifest().licences[builtin_manifest().models[OPEN].licence]
@@ -146,12 +150,6 @@ def own_file(settings: Settings) -> Path | None:
     """Return the description of the user's own network, if the setting names one."""
     file = Path(settings.wakeword).expanduser()
     return file if file.suffix == ".json" else None
-
-
-def _micro(file: Path) -> WakeDetector:
-    from edgevox.voice.wake.micro import MicroWakeWord
-
-    return MicroWakeWord(file)
 
 
 @dataclass(frozen=True)

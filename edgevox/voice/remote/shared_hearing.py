@@ -11,7 +11,7 @@ from edgevox.core.servers.errors import LOOK_S, ServerFailed
 from edgevox.core.servers.health import Breaker, ServerHealth
 from edgevox.voice.audio import RATE_HZ, Samples
 from edgevox.voice.remote.hearing import HearingServer
-from edgevox.voice.stt.speech_to_text import SpeechToText, Transcript
+from edgevox.voice.stt.speech_to_text import SpeechToText, Transcript, stop_first
 
 log = get_logger(__name__)
 
@@ -114,7 +114,9 @@ class SharedSpeechToText:
         self._only_busy += not there.cancelled() and there.exception() is None
 
     def _stops(self, here: "Future[Transcript]") -> bool:
-        return here.done() and not here.exception() and self.is_stop(here.result().text)
+        if not here.done() or here.exception():
+            return False
+        return self.is_stop(stop_first(here.result(), self.is_stop).text)
 
     def _lives(self, there: "Future[Transcript]", token: CancelToken) -> bool:
         """Whether the server has answered, or shows a sign of life while it does not."""

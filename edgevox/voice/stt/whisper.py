@@ -2,6 +2,9 @@
 
 A model with an adapter hears better in noise, and processes only the speech, not 30 s. Words that
 it is not sure of are heard again by the same model with a part of the adapter; both count.
+
+In a language whose `[stop]` table says so, a short utterance that is not sure is searched again
+with stop words shown, only for a stop word: a lone word is what Whisper hears worst.
 """
 
 import math
@@ -16,7 +19,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from edgevox.core.commands import Hypothesis
 from edgevox.core.errors import EdgeVoxError
+from edgevox.core.languages import STOP_WORDS
 from edgevox.core.process import usable_cpus
 from edgevox.voice.audio import FULL_SCALE, RATE_HZ, Samples
 from edgevox.voice.stt.adapter import Added, adapted_folder, adapter_for, weakened
@@ -25,7 +30,9 @@ from edgevox.voice.stt.speech_to_text import (
     Transcript,
     both,
     heard_again,
+    heard_for,
     is_doubtful,
+    is_sure,
     transcript_of,
 )
 
@@ -49,6 +56,8 @@ voices lost 4 of 64 answers in quiet so, and with 240 rows none."""
 SECOND_SHARE = 0.25
 """The part of the adapter with which a model hears again. Chosen with real people's orders by the
 half of the speakers that `benchmarks/hearing/people.py` does not report."""
+STOP_S = 2.0
+"""Seconds of the longest utterance that is heard again for a stop word; few said alone take 1.3."""
 LEAST = 1e-9
 """The least probability of a token."""
 _WARM_UP = np.zeros(RATE_HZ, np.int16)
@@ -102,13 +111,17 @@ class Whisper:
         prompt = self._prompt_of(language)
         with self._lock:
             model, seconds = self._model_for(language), samples.size / RATE_HZ
-            said = _EncodedSound(model, samples, language).transcript(prompt, seconds)
-            if model.second is None:
-                return said
-            again = cache(partial(_EncodedSound, model.weaker, samples, language))
-            if is_doubtful(said, language):
-                said = both(said, again().transcript(prompt, seconds))
-            return replace(said, rate=partial(self._rate, again))
+            heard = _EncodedSound(model, samples, language)
+            said = heard.transcript(prompt, seconds)
+            if model.second is not None:
+                again = cache(partial(_EncodedSound, model.weaker, samples, language))
+                if is_doubtful(said, language):
+                    said = both(said, again().transcript(prompt, seconds))
+                said = replace(said, rate=partial(self._rate, again))
+            shown = STOP_WORDS[language].shown
+            if shown and seconds <= STOP_S and not is_sure(said):
+                said = replace(said, stops=heard.stops(shown, seconds))
+            return said
 
     def _rate(self, sound: "Callable[[], _EncodedSound]", texts: Sequence[str]) -> Sequence[float]:
         found = []
@@ -191,7 +204,12 @@ class _EncodedSound:
             return said
         return transcript_of(found, seconds, prompt, heard_again(self.hypotheses()))
 
-    def hypotheses(self, prompt: str = "") -> list[Segment]:
+    def stops(self, shown: Sequence[str], seconds: float) -> tuple[Hypothesis, ...]:
+        """What is heard where these stop words are shown."""
+        found = self.hypotheses(" ".join(f"{word}!" for word in shown), (HYPOTHESES,))
+        return heard_for(found, seconds)
+
+    def hypotheses(self, prompt: str = "", widths: Sequence[int] = ()) -> list[Segment]:
         """Return hypotheses as `WhisperModel.transcribe` finds them.
 
         It returns only one of them.
@@ -203,7 +221,7 @@ class _EncodedSound:
         start = self._engine.get_prompt(tokenizer, shown, without_timestamps=True)
         suppressed = get_suppressed_tokens(tokenizer, [-1])
         segments: dict[str, Segment] = {}
-        for width in WIDTHS.get(self._language, OTHER_WIDTHS):
+        for width in widths or WIDTHS.get(self._language, OTHER_WIDTHS):
             found = model.generate(
                 self._encoded,
                 [start],

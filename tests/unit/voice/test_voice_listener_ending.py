@@ -1,5 +1,7 @@
 """The end of an utterance by its words, in the endpointer and the listener, scripted."""
 
+import threading
+
 import pytest
 from voice_script import VOICE, WAKE, Script, Stt, Vad, Wake, spoken
 from waiting import wait_until
@@ -134,6 +136,14 @@ def test_a_pause_of_eight_tenths_of_a_second_cuts_no_open_sentence():
     assert rig.hear(*SAID, *PAUSE, rig.judged(), *silence(0.8), *SAID, *LATER) == [
         "tell me about the moon"
     ]
+
+
+def test_a_pause_cuts_no_sentence_before_a_slow_machine_knows_its_words(monkeypatch):
+    rig, known = Rig("a latte with", "a latte with milk"), threading.Event()
+    hear = rig.stt.transcribe
+    monkeypatch.setattr(rig.stt, "transcribe", lambda *given: known.wait(60) and hear(*given))
+
+    assert rig.hear(*SAID, *PAUSE, *silence(1.3), *SAID, known.set, *LATER) == ["a latte with milk"]
 
 
 def test_words_that_cannot_be_judged_are_open(caplog):

@@ -9,8 +9,8 @@ from waiting import Heard as Told
 
 from edgevox.core.clock import SystemClock
 from edgevox.core.commands import Heard, Hypothesis, Transcribing
-from edgevox.voice.stt.speech_to_text import Transcript
-from edgevox.voice.transcriber import MAY_STOP, Transcriber, TranscriptionJob
+from edgevox.voice.stt.speech_to_text import MAY_STOP, MAY_STOP_SHOWN, Transcript
+from edgevox.voice.transcriber import Transcriber, TranscriptionJob
 
 SOUND = np.zeros(1600, np.int16)
 
@@ -101,20 +101,32 @@ def test_after_a_bug_a_stop_without_the_wake_word_is_heard(transcribe):
     assert failed == 1
 
 
-@pytest.mark.parametrize(("share", "counts"), [(MAY_STOP, True), (MAY_STOP - 0.01, False)])
-def test_a_stop_that_may_have_been_said_counts(share, counts):
+def words_of(said):
+    """What is told of an utterance that speech to text hears so."""
     told = Told()
-    said = Transcript("the shop", 0.6, (Hypothesis("stop", share, 0.5),))
     stt = SimpleNamespace(transcribe=lambda *_: said)
     one = Transcriber(
-        stt, told.add, language=lambda: "en", is_stop=lambda text: text == "stop",
+        stt, told.add, language=lambda: "en", is_stop=lambda text: text in ("stop", "halt"),
         clock=SystemClock(),
     )  # fmt: skip
     one.start()
     assert one.take(TranscriptionJob(SOUND, 0.0, 1.0))
     assert one.wait_idle(60)
     one.close()
+    return [heard.text for heard in told.messages if isinstance(heard, Heard)]
 
-    assert [heard.text for heard in told.messages if isinstance(heard, Heard)] == [
-        "stop" if counts else "the shop"
-    ]
+
+@pytest.mark.parametrize(("share", "counts"), [(MAY_STOP, True), (MAY_STOP - 0.01, False)])
+def test_a_stop_that_may_have_been_said_counts(share, counts):
+    said = Transcript("the shop", 0.6, (Hypothesis("stop", share, 0.5),))
+
+    assert words_of(said) == ["stop" if counts else "the shop"]
+
+
+@pytest.mark.parametrize(("share", "counts"), [(MAY_STOP_SHOWN, True), (0.5, False)])
+@pytest.mark.parametrize("text", ["the shop", ""])
+def test_stop_words_that_were_shown_count_together(text, share, counts):
+    several = (("stop", 0.4), ("halt", share - 0.4), ("go", 1.0 - share))
+    said = Transcript(text, 0.6, stops=tuple(Hypothesis(one, part, 0.5) for one, part in several))
+
+    assert words_of(said) == ["stop" if counts else text]
