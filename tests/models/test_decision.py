@@ -10,10 +10,12 @@ from corpus_robots import is_right, skills_of_robots
 from corpus_sentences import Sentence, held_out, read_corpus, tuning
 
 from edgevox.agent.nlu.decider import Decider, Decision, Readings
-from edgevox.agent.nlu.encoder import ENCODER, Encoder
+from edgevox.agent.nlu.encoder import ENCODER, Encoder, read_head
 from edgevox.agent.nlu.meaning import SURE_FROM
 from edgevox.agent.nlu.templates import Recogniser, Understood
+from edgevox.agent.phrases.load import phrasebook
 from edgevox.agent.stop.words import find_stop_word
+from edgevox.core.languages import LANGUAGES
 from edgevox.models import locate
 
 NO_ORDERS = yaml.safe_load(Path(__file__).with_name("no_orders.yaml").read_text("utf-8"))
@@ -112,3 +114,39 @@ def test_a_model_is_asked_about_the_world_only_in_general(
     decider: Decider, says: str, general: bool
 ) -> None:
     assert decider.is_general(says) is general
+
+
+@pytest.mark.parametrize(
+    ("says", "kind"),
+    [
+        ("good evening, robot", "hello"),
+        ("thank you so much", "thanks"),
+        ("how are you feeling this morning", "how_are_you"),
+        ("you are a really clever robot", "praise"),
+        ("I am feeling very sad", "sad"),
+        ("who has made you?", "robot"),
+        ("do you like football?", "feelings"),
+        ("tell me a funny joke", "creative"),
+        ("Wie geht es dir heute?", "how_are_you"),
+        ("Raconte-moi une histoire drôle", "creative"),
+        ("¿Quién te ha hecho?", "robot"),
+        ("come stai oggi?", "how_are_you"),
+        ("расскажи мне анекдот", "creative"),
+        ("今天天气好吗", "outside"),
+        ("the kitchen was painted yesterday", None),
+        ("who wrote Hamlet?", None),
+        ("why is the sky blue?", None),
+        ("go to the kitchen", None),
+        ("we had lunch with the neighbours", None),
+        ("fahr in die Küche", None),
+    ],
+)
+def test_small_talk_is_told_by_its_kind(decider: Decider, says: str, kind: str | None) -> None:
+    assert decider.small_talk(says) == kind
+
+
+@pytest.mark.parametrize("language", LANGUAGES)
+def test_every_language_has_an_answer_to_each_kind_of_small_talk(language: str) -> None:
+    sentences = phrasebook(language)
+    for kind in read_head().talk_kinds[1:]:
+        assert sentences.say(f"talk_{kind}")

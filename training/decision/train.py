@@ -4,10 +4,10 @@ Reads the tuning half of `tests/corpus`, and `sentences.yaml` and `cases` beside
 written for it; nothing of the half that is held out. Three
 logistic regressions, by Newton's method, so that every run gives the same file. The second one
 learns from likelihoods of the first one that never saw the sentence. The third one, of
-`questions.yaml`, tells what a language model may answer.
+`questions.yaml`, tells what a language model may answer, and one of `small_talk.yaml` its kinds.
 
     python -m training.decision.train [FILE]
-    python -m training.decision.train --general     # only the third one, in the file as it is
+    python -m training.decision.train --talk     # only the last ones, in the file as it is
 """
 
 import sys
@@ -17,6 +17,7 @@ from pathlib import Path
 
 import numpy as np
 import yaml
+from scipy.optimize import minimize
 
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "tests"))
@@ -33,6 +34,12 @@ from edgevox.models import locate
 HEAD = ROOT / "edgevox" / "agent" / "nlu" / HEAD_FILE
 MORE = Path(__file__).with_name("sentences.yaml")
 QUESTIONS = Path(__file__).with_name("questions.yaml")
+SMALL_TALK = Path(__file__).with_name("small_talk.yaml")
+TALK_WEIGHT = 3.0
+"""How much more a sentence of small talk counts than another one, of which there are more."""
+TALKS = ("small talk", "praise", "insults", "jokes", "feelings", "complaints", "permission",
+         "religion", "questions about the robot", "weather")  # fmt: skip
+"""Categories of the corpus that may hold small talk, and are no counter-example of it."""
 CASES = Path(__file__).with_name("cases")
 FOLDS = 10
 ORDER_PENALTY, PENALTY = 30.0, 1.0
@@ -175,6 +182,46 @@ def train_general(encoder: Encoder) -> dict[str, object]:
     }
 
 
+def train_small_talk(encoder: Encoder) -> dict[str, object]:
+    """The arrays of the regression that tells kinds of small talk, and them from all else."""
+    kinds = yaml.safe_load(SMALL_TALK.read_text(encoding="utf-8"))
+    general = yaml.safe_load(QUESTIONS.read_text(encoding="utf-8"))["general"]
+    others = [one.says for one in tuning() if not one.category.startswith(TALKS)]
+    rows = [(says, kind) for kind, several in kinds.items() for says in several]
+    rows += [(says, "") for says in (*general, *others, *(says for says, _ in more_sentences()))]
+    raw = np.array([encoder.features(says) for says, _ in rows], np.float64)
+    mean, spread = raw.mean(0), raw.std(0) + 1e-6
+    names = ["", *kinds]
+    wanted = np.array([[one == kind for kind in names] for _, one in rows], float)
+    weights, biases = multinomial((raw - mean) / spread, wanted)
+    return {
+        "talk_kinds": np.array(names),
+        "talk_weights": (weights / spread).astype(np.float32),
+        "talk_biases": biases - (weights * mean / spread).sum(axis=1),
+    }
+
+
+def multinomial(values: Floats, wanted: Floats) -> tuple[Floats, Floats]:
+    """Weights and biases of a multinomial regression, whose first class is all else."""
+    size, count = values.shape[1], wanted.shape[1]
+    mass = np.where(wanted[:, 0] > 0, 1.0, TALK_WEIGHT)
+
+    def loss(found: Floats) -> tuple[float, Floats]:
+        weights, biases = found[: count * size].reshape(count, size), found[count * size :]
+        logits = values @ weights.T + biases
+        likely = np.exp(logits - logits.max(axis=1, keepdims=True))
+        likely /= likely.sum(axis=1, keepdims=True)
+        missed = -float(mass @ np.log((likely * wanted).sum(axis=1) + 1e-12))
+        slope = (likely - wanted) * mass[:, None]
+        slopes = np.r_[(slope.T @ values + ORDER_PENALTY * weights).ravel(), slope.sum(axis=0)]
+        return missed + ORDER_PENALTY / 2 * float((weights**2).sum()), slopes
+
+    found = minimize(
+        loss, np.zeros(count * (size + 1)), jac=True, method="L-BFGS-B", options={"maxiter": 150}
+    ).x
+    return found[: count * size].reshape(count, size), found[count * size :]
+
+
 def report(cases: list[Case], likely: Floats, right: Floats) -> None:
     """What the head says of sentences that it was not trained with, as far as it may decide."""
     free = np.array([not one.held_back for one in cases])
@@ -199,11 +246,11 @@ def hash_of(text: str) -> int:
 
 def main() -> int:
     """Train, say how well it tells what it was not trained with, and write the file."""
-    general = sys.argv[1:] == ["--general"]
-    place = Path(sys.argv[1]) if len(sys.argv) > 1 and not general else HEAD
+    talk = sys.argv[1:] == ["--talk"]
+    place = Path(sys.argv[1]) if len(sys.argv) > 1 and not talk else HEAD
     encoder = Encoder(locate(ENCODER))
-    arrays = dict(np.load(HEAD)) if general else train(encoder, show=True)
-    arrays |= train_general(encoder)
+    arrays = dict(np.load(HEAD)) if talk else train(encoder, show=True)
+    arrays |= train_general(encoder) | train_small_talk(encoder)
     with place.open("wb") as file:
         np.savez(file, **arrays)  # type: ignore[arg-type]
     print(f"{place}: {place.stat().st_size} bytes")

@@ -5,17 +5,9 @@ import re
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
-from edgevox.agent.llm.grammar import DO, END, HANDOFF, JOINT, SAY, choice_grammar, grammar, literal
+from edgevox.agent.llm.grammar import DO, END, HANDOFF, JOINT, SAY, grammar, literal
 from edgevox.agent.llm.language_model import ChatMessage
-from edgevox.agent.llm.prompt import (
-    Shown,
-    everyday,
-    examples,
-    small_talk,
-    system_prompt,
-    talk_prompt,
-)
-from edgevox.agent.phrases.load import phrasebook
+from edgevox.agent.llm.prompt import Shown, everyday, examples, system_prompt, talk_prompt
 from edgevox.agent.phrases.numbers import digits
 from edgevox.agent.skills import NO_SKILLS, Call, SkillSet
 from edgevox.agent.text.spelling import key
@@ -60,9 +52,7 @@ class Protocol:
     `opening` holds the first messages of a chat in which the model may make calls: the
     instructions, the skills and examples. `grammar` is the grammar of its output, which
     `OutputParser` reads; `words_grammar` allows only words and hand-overs. `talk` is the opening
-    where it only talks; it shows no calls. `small_talk` goes on with the language's small talk,
-    and `small_talk_grammar` allows nothing but the answers there, and that it was not understood.
-    All are made for the present `words` of the arguments.
+    where it only talks; it shows no calls. All are made for the present `words` of the arguments.
     """
 
     instructions: str
@@ -72,26 +62,18 @@ class Protocol:
     words: tuple[tuple[tuple[str, str], ...], ...] = field(init=False)
     grammar: str = field(init=False)
     words_grammar: str = field(init=False)
-    small_talk_grammar: str = field(init=False)
     opening: tuple[ChatMessage, ...] = field(init=False)
     talk: tuple[ChatMessage, ...] = field(init=False)
-    small_talk: tuple[ChatMessage, ...] = field(init=False)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "words", self.skills.words())
         object.__setattr__(self, "grammar", grammar(self.skills, self.handoffs))
         object.__setattr__(self, "words_grammar", grammar(NO_SKILLS, self.handoffs))
-        book = phrasebook(self.language)
-        answers = [one.answer for one in book.small_talk]
-        chosen = dict.fromkeys([*answers, book.say("not_understood")])
-        object.__setattr__(self, "small_talk_grammar", choice_grammar([*chosen]))
         system = system_prompt(self.instructions, self.skills, self.handoffs, self.language)
         shown = examples(self.skills, self.handoffs, self.language)
         object.__setattr__(self, "opening", self._opening(system, shown))
         talk = talk_prompt(self.instructions, self.language)
-        asked, said = everyday(self.language), small_talk(self.language)
-        object.__setattr__(self, "talk", self._opening(talk, asked))
-        object.__setattr__(self, "small_talk", self._opening(talk, [*asked, *said]))
+        object.__setattr__(self, "talk", self._opening(talk, everyday(self.language)))
 
     def _opening(self, system: str, shown: Sequence[Shown]) -> tuple[ChatMessage, ...]:
         messages = [ChatMessage("system", system)]

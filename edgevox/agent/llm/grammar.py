@@ -56,12 +56,6 @@ def grammar(skills: SkillSet, handoffs: Sequence[str] = ()) -> str:
     return "\n".join([root, *rules]) + "\n" + call + "\n".join(fixed) + "\n"
 
 
-def choice_grammar(sentences: Sequence[str]) -> str:
-    """The GBNF text of an answer that is one of these sentences."""
-    choice = " | ".join(json.dumps(one, ensure_ascii=False) for one in sentences)
-    return f'root ::= "{SAY}" ({choice})\n'
-
-
 def literal(value: object) -> str:
     """The form of a value in a call; the grammar generates no other."""
     if isinstance(value, str):

@@ -78,11 +78,6 @@ def everyday(language: str = ENGLISH) -> Sequence[Shown]:
     return [Shown(one.asked, says=one.answer or unknown) for one in book.everyday]
 
 
-def small_talk(language: str = ENGLISH) -> Sequence[Shown]:
-    """Examples of small talk."""
-    return _said(phrasebook(language).small_talk)
-
-
 def _spoken_in(language: str) -> list[str]:
     if language == ENGLISH:
         return []

@@ -489,6 +489,10 @@ class Decider:
         """
         return self._head.general(self._features(text)) > 0
 
+    def small_talk(self, text: str) -> str | None:
+        """The kind of small talk that the sentence is, or None: see `say.talk_*` of a language."""
+        return self._head.small_talk(self._features(text))
+
     def _order(self, text: str) -> float:
         """The order logit of a sentence."""
         return self._head.order(self._features(text))

@@ -36,7 +36,6 @@ from edgevox.agent.nlu.questions import (
     cued,
     is_about_hearer,
     question_of,
-    sentences_of,
 )
 from edgevox.agent.nlu.remainder import may_ask_whether
 from edgevox.agent.nlu.templates import Recogniser, RefusedCommand, Understood, refused
@@ -60,9 +59,9 @@ MAX_HANDOFFS = 3
 BACK = "go_back"
 """Name of the dialogue skill that leads back to where the last motion began."""
 
-LEAST_LIKELY, LEAST_LIKELY_TALK = 0.15, 0.5
-"""A model is not sure of an answer with a less likely word, nor of small talk with one. By
-`benchmarks.agent.everyday`, on the half for tuning."""
+LEAST_LIKELY = 0.15
+"""A model is not sure of an answer with a less likely word. By `benchmarks.agent.everyday`, on the
+half for tuning."""
 
 _SPOKEN = (Outcome.ANSWERED, Outcome.INTERRUPTED)
 
@@ -180,11 +179,14 @@ class Interpreter:
 
         `said` are the same words with their false starts.
         """
-        whether = asks_whether(text, self._code)
+        whether, general = asks_whether(text, self._code), self._is_general(text)
+        cannot = "" if general else self._cannot(text)[0]
+        if not cannot and (talk := self._small_talk(text)):
+            turn.say(talk)
+            return None
         if not whether and (asked := self._asked(text)):
             return self._taken(asked, turn)
-        general = self._is_general(text)
-        if not general and (cannot := self._cannot(text)[0]):
+        if cannot:
             turn.say(cannot, Outcome.REFUSED)
             return None
         if whether and not _needs_model(self.active):
@@ -299,6 +301,13 @@ class Interpreter:
         if self._decider is None:
             return self._model is not None and not is_about_hearer(text, self._code)
         return self._model is not None and self._decider.is_general(text)
+
+    def _small_talk(self, text: str) -> str:
+        """The answer to small talk that names nothing of the robot's world; else empty."""
+        kind = self._decider.small_talk(text) if self._decider else None
+        if kind is None or self._world().named_in(text):
+            return ""
+        return self.phrases.say(f"talk_{kind}")
 
     def _asked(self, text: str) -> Meaning | None:
         """The question to the robot that the words most likely ask, though no template fits."""
@@ -441,7 +450,8 @@ class Interpreter:
             if protocol.handoffs or (ordered and protocol.acts and not general):
                 calls = self._generate(model, protocol, text, turn, ordered=ordered)
             else:
-                self._talk(model, protocol, text, turn, ordered=ordered)
+                if general:
+                    self._talk(model, protocol, text, turn)
                 self._say_unknown(text, turn)
                 return None
             handoffs = [call for call in calls if call.skill == HANDOFF]
@@ -502,21 +512,10 @@ class Interpreter:
         calls = self._stream(model, chat, grammar, turn, CheckedAnswer(self._claims(text)))
         return protocol.allowed(calls, text, ordered=ordered)
 
-    def _talk(
-        self, model: LanguageModel, protocol: Protocol, text: str, turn: Turn, *, ordered: bool
-    ) -> None:
-        """Have the model answer a general question, or choose an answer of the small talk.
-
-        An order that nothing understood gets neither.
-        """
-        if self._is_general(text):
-            checked = CheckedAnswer(self._claims(text), LEAST_LIKELY)
-            self._stream(model, self.chat(text), protocol.words_grammar, turn, checked)
-        elif not ordered:
-            answers = {s for one in self.phrases.small_talk for s in sentences_of(one.answer)}
-            checked = CheckedAnswer(lambda said: said not in answers, LEAST_LIKELY_TALK)
-            chat = [*protocol.small_talk, ChatMessage("user", text)]
-            self._stream(model, chat, protocol.small_talk_grammar, turn, checked)
+    def _talk(self, model: LanguageModel, protocol: Protocol, text: str, turn: Turn) -> None:
+        """Have the model answer a general question."""
+        checked = CheckedAnswer(self._claims(text), LEAST_LIKELY)
+        self._stream(model, self.chat(text), protocol.words_grammar, turn, checked)
 
     def _claims(self, text: str) -> Callable[[str], bool]:
         """Tells which sentences of an answer to these words claim what no model knows."""

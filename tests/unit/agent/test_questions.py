@@ -6,7 +6,6 @@ from support.body import FakeBody
 from support.conversation import Eloquent, Talk
 
 from edgevox.agent.llm.calls import Protocol
-from edgevox.agent.llm.gbnf import Matcher
 from edgevox.agent.llm.grammar import SAY
 from edgevox.agent.llm.language_model import Piece
 from edgevox.agent.nlu.decider import Readings
@@ -225,10 +224,3 @@ def test_a_sentence_that_speaks_of_its_speaker_is_a_claim(code, sentence, claims
 def test_a_model_that_is_not_sure_of_a_word_says_that_it_does_not_know(likely, said):
     with talk("Lions ", Piece("are ", likely), "fast.") as one:
         assert one.say("which animals are fast?") == said
-
-
-def test_in_small_talk_a_model_only_chooses_an_answer():
-    for answer in (one.answer for one in BOOK.small_talk):
-        assert Matcher(PROTOCOL.small_talk_grammar).accept(SAY + answer) == len(SAY + answer)
-    claim = f"{SAY}I will wake you."
-    assert Matcher(PROTOCOL.small_talk_grammar).accept(claim) < len(claim)
