@@ -52,7 +52,7 @@ def test_a_server_is_asked_with_the_key_that_a_secret_holds(tmp_path):
             "LLM_KEY_FILE": str(key),
         }
         with stack("llm", "llm-key", **given) as robot:
-            ask = "/edgevox/text_input=could you perhaps tell me a story"
+            ask = "/edgevox/text_input=why does ice float"
             robot.probe(SERVICE, PATIENCE, "/edgevox/response", "--say", ask)
             wait_until(lambda: bool(server.keys), "a request")
             assert KEY not in str(robot.inspect(SERVICE))

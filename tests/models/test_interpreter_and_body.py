@@ -23,7 +23,7 @@ from edgevox.core.commands import Interrupt, TextInput
 from edgevox.core.events import Responded, RobotState, SentenceReady, TokenGenerated
 from edgevox.robots.flat.apartment import ApartmentRobot
 
-CHATTER = "Please tell me why the sky is blue and what you like about it."
+CHATTER = "what is the capital of Norway?"
 TIGHT_TOKENS = 1536
 """A context in which instructions and an answer leave room for an exchange or two."""
 TURNS = 3
@@ -136,7 +136,7 @@ def test_what_nobody_asked_for_moves_nothing(home, said):
 
 def test_an_answer_streams_in_tokens_that_add_up_to_it(home):
     one = home(agents=talker)
-    one.talk("thank you, you are a good robot")
+    one.talk(CHATTER)
     tokens = [e.text for e in one.events if isinstance(e, TokenGenerated)]
     (answer,) = one.answers()
     assert len(tokens) > 2
@@ -169,7 +169,7 @@ def test_an_interrupt_cuts_the_answer_and_the_next_one_is_whole(home):
     interrupted.set()
     assert one.conversation.wait_idle(HUNG_S)
     assert len([e for e in one.events if isinstance(e, TokenGenerated)]) <= 2
-    one.talk("thank you, you are a good robot")
+    one.talk(CHATTER)
     assert not one.answers()[-1].cut
 
 

@@ -95,7 +95,7 @@ def speaking(rig, monkeypatch, seconds=0.5):
             heard.set()
 
     monkeypatch.setattr(WavFile, "write", counted)
-    rig.parts.command_router.submit(TextInput("tell me a story"))
+    rig.parts.command_router.submit(TextInput("why does ice float?"))
     assert heard.wait(HUNG_S)
     return lambda: count[0]
 
@@ -113,7 +113,7 @@ def test_while_it_speaks_what_is_remembered_is_what_was_heard(rig, teller, monke
     assert len(aloud) >= 3
     assert words("".join(STORY * 10))[: len(words(cut.text))] == words(cut.text)
     assert abs(len(words(cut.text)) - len(aloud)) <= 2
-    submit(TextInput("tell me another story"))
+    submit(TextInput("why do boats float?"))
     rig.wait_for(StateChanged, lambda event: event.turn > cut.turn)
     submit(Interrupt("enough"))
     assert rested(rig)

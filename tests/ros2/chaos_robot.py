@@ -134,7 +134,7 @@ class Robot:
     def think(self) -> None:
         """Answers what its model must answer, in whatever language it speaks."""
         states, answers = len(self.doing.messages), len(self.response.messages)
-        self.peer.send("text_input", "tell me something nice")
+        self.peer.send("text_input", "why does ice float?")
         self.doing.wait_for(lambda m: m == "thinking", ANSWER_S, states)
         self.response.wait_for(lambda _: True, THINK_S, answers)
 
@@ -152,7 +152,7 @@ class Robot:
         self._drive()
         took["interrupt"] = self._stands(lambda: self.peer.send("interrupt", ""))
         took["watchdog"] = self._watchdog()
-        took["model"] = self._answer("tell me something nice", "", THINK_S)
+        took["model"] = self._answer("why does ice float?", "", THINK_S)
         took["goal"] = self._goal()
         return took
 

@@ -79,7 +79,7 @@ def asked(agent, peer):
     # Pictures cost the more, the longer somebody looks.
     heard["image_raw"] = hear(peer, Image, full("image_raw"), SENSOR)
     heard["camera_info"] = hear(peer, CameraInfo, full("camera_info"), SENSOR)
-    peer.send("text_input", "you did a great job today")
+    peer.send("text_input", "what is the capital of Norway?")
     heard["bot_token"].wait_for(lambda _: True)
     return heard
 

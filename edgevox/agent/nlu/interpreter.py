@@ -539,7 +539,9 @@ class Interpreter:
                 chat, grammar=grammar, max_tokens=ANSWER_TOKENS, token=turn.token
             ):
                 likely = piece.likely if isinstance(piece, Piece) else 1.0
-                turn.stream(checked.feed(parser.feed(piece), likely))
+                turn.stream("")
+                for told in checked.feed(parser.feed(piece), likely):
+                    turn.stream(told, tokens=0)
         except ModelFailed as error:
             log.error("model_failed", reason=str(error))  # noqa: TRY400 - its message says it all
             what = "model_busy" if isinstance(error, ModelBusy) else "model_failed"
@@ -547,7 +549,8 @@ class Interpreter:
             return ()
         finally:
             turn.thought(self._clock.now() - started_s)
-        turn.stream(checked.finish(), tokens=0)
+        for told in checked.finish():
+            turn.stream(told, tokens=0)
         turn.flush()
         return () if turn.token.cancelled else parser.finish()
 

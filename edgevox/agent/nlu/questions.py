@@ -264,11 +264,6 @@ class WorldWords:
         return frozenset(known.keys() - (parts - {key(word) for word in known.values()}))
 
 
-def sentences_of(text: str) -> list[str]:
-    """The sentences of a text."""
-    return _SENTENCE_END.split(text)
-
-
 PRODUCT = "EdgeVox"
 _NUMBER = re.compile(NUMBER)
 _IT = "it"
@@ -286,21 +281,27 @@ class CheckedAnswer:
         self._claims = claims
         self._least_likely = least_likely
         self._sure = True
-        self._rest = ""
+        self._pieces: list[str] = []
         self.dropped = False
         """True if a sentence was held back; what follows it is held back as well."""
 
-    def feed(self, piece: str, likely: float = 1.0) -> str:
-        """The sentences that ended in this piece and may be said."""
+    def feed(self, piece: str, likely: float = 1.0) -> list[str]:
+        """The pieces of the sentences that ended in this one and may be said."""
         self._sure = self._sure and (not piece or likely >= self._least_likely)
-        *ended, self._rest = sentences_of(self._rest + piece)
-        return "".join(self._passed(one) for one in ended)
+        self._pieces.append(piece)
+        *ended, rest = _SENTENCE_END.split("".join(self._pieces))
+        return self._passed(ended, rest) if ended else []
 
-    def finish(self) -> str:
-        """The last sentence, if it may be said."""
-        rest, self._rest = self._rest, ""
-        return self._passed(rest)
+    def finish(self) -> list[str]:
+        """The pieces of the last sentence, if it may be said."""
+        return self._passed(["".join(self._pieces)], "")
 
-    def _passed(self, sentence: str) -> str:
-        self.dropped = self.dropped or not self._sure or (bool(sentence) and self._claims(sentence))
-        return "" if self.dropped or not sentence else f"{sentence} "
+    def _passed(self, sentences: Sequence[str], rest: str) -> list[str]:
+        pieces, self._pieces = self._pieces, [rest]
+        told: list[str] = []
+        for one in sentences:
+            self.dropped = self.dropped or not self._sure or (bool(one) and self._claims(one))
+            if self.dropped:
+                return told
+            told.append(f"{one} ")
+        return [*pieces[:-1], pieces[-1].removesuffix(rest)]

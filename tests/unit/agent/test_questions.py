@@ -1,5 +1,7 @@
 """What is asked of the robot in words that no template has, and what a model may say of it."""
 
+from itertools import chain
+
 import pytest
 from support.bodies import BODIES, FACTS
 from support.body import FakeBody
@@ -171,7 +173,7 @@ def test_an_answer_is_held_back_from_its_first_claim_on_however_it_is_cut_into_p
     for size in (1, 3, 100):
         checked = CheckedAnswer(WORLD["apartment"].claimed_in)
         pieces = [text[at : at + size] for at in range(0, len(text), size)]
-        told = "".join(map(checked.feed, pieces)) + checked.finish()
+        told = "".join([*chain.from_iterable(map(checked.feed, pieces)), *checked.finish()])
 
         assert told == "I am fine. "
         assert checked.dropped
