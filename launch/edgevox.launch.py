@@ -34,7 +34,8 @@ ARGUMENTS = {
     " level; none if another device cancels it",
     "text_mode": "type instead of speaking; no sound is used",
     "publish_clock": "publish the robot's time on /clock, for nodes with use_sim_time",
-    "llm": "language model: an id of edgevox-models, a GGUF file, or none",
+    "llm": "language model: an id of edgevox-models, a GGUF file, or none; auto takes Qwen2.5-Coder"
+    " 1.5B where it was fetched and 6 GB of memory are free, else 0.5B",
     "log_level": "least severe log lines to show",
     "config": "TOML file with settings",
     "params_file": "YAML file with ROS 2 parameters",

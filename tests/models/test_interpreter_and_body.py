@@ -203,7 +203,7 @@ def test_a_model_hands_over_to_the_agent_that_can_do_it(home, small):
 def test_a_long_conversation_stays_within_the_context_window(home, tight):
     one = home(model=tight, agents=lambda _: [Agent("talker", "You talk.")])
     for number in range(TURNS):
-        one.talk(f"number {number}: " + "the weather was nice and we talked about it. " * 14)
+        one.talk(f"number {number}: " + "why does ice float on water, and why do ships? " * 13)
     known = [message.content for message in one.conversation.interpreter.chat()]
     assert not any("number 0:" in said for said in known), "it was too short to forget anything"
     assert any(f"number {TURNS - 1}:" in said for said in known)

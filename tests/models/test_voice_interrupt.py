@@ -68,7 +68,7 @@ def rested(rig):
 
 def test_while_it_thinks_nothing_is_said_and_the_next_turn_is_clean(rig, teller):
     submit = rig.parts.command_router.submit
-    submit(TextInput("please think about it"))
+    submit(TextInput("why do people think?"))
     assert teller.thinks.wait(HUNG_S)
 
     submit(Interrupt("enough"))

@@ -5,6 +5,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any, Self
 
+import numpy as np
 from guards import HUNG_S
 from waiting import Heard as Told
 
@@ -51,12 +52,18 @@ ORDER, TALK = 12.0, -12.0
 
 
 class CertainEncoder:
-    """An encoder whose every sentence gives the head the same logit: that of an order."""
+    """An encoder whose every sentence gives the head the same logit: that of an order.
+
+    None is a question about the world in general, nor small talk.
+    """
 
     def __init__(self, logit: float = ORDER) -> None:
         head = read_head()
-        weights = head.order_weights
-        self._features = weights * (logit - head.order_bias) / float(weights @ weights)
+        weights = np.vstack([head.order_weights, head.general_weights, head.talk_weights])
+        biases = np.array([head.order_bias, head.general_bias, *head.talk_biases])
+        others = len(head.talk_kinds) - 1
+        kinds = [float(others), *[-1.0] * others]  # the weights of all kinds add up to 0
+        self._features = np.linalg.lstsq(weights, np.array([logit, TALK, *kinds]) - biases)[0]
 
     def features(self, text: str) -> Any:
         return self._features.astype("float32")

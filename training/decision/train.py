@@ -172,6 +172,8 @@ def train_general(encoder: Encoder) -> dict[str, object]:
     """The arrays of the regression that tells questions about the world in general."""
     data = yaml.safe_load(QUESTIONS.read_text(encoding="utf-8"))
     rows = [(says, kind == "general") for kind, several in data.items() for says in several]
+    talk = yaml.safe_load(SMALL_TALK.read_text(encoding="utf-8"))
+    rows += [(says, False) for several in talk.values() for says in several]
     raw = np.array([encoder.features(says) for says, _ in rows], np.float64)
     mean, spread = raw.mean(0), raw.std(0) + 1e-6
     wanted = np.array([general for _, general in rows], float)

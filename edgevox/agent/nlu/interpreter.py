@@ -181,7 +181,7 @@ class Interpreter:
         """
         whether, general = asks_whether(text, self._code), self._is_general(text)
         cannot = "" if general else self._cannot(text)[0]
-        if not cannot and (talk := self._small_talk(text)):
+        if not (general or cannot) and (talk := self._small_talk(text)):
             turn.say(talk)
             return None
         if not whether and (asked := self._asked(text)):

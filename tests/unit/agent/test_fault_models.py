@@ -142,7 +142,7 @@ def breaks_off(reply) -> None:
 @pytest.mark.parametrize("bad", [failing(503), never], ids=["fails", "hangs"])
 def test_a_server_that_is_gone_is_spoken_of_and_heard_again_when_it_is_back(asking, bad):
     back = threading.Event()
-    here = good(SAY + "Here I am.")
+    here = good(SAY + "Whales swim.")
 
     def chat(reply: Reply) -> None:
         return (here if back.is_set() else bad)(reply)
@@ -156,17 +156,17 @@ def test_a_server_that_is_gone_is_spoken_of_and_heard_again_when_it_is_back(aski
     back.set()
     clock.now_s += FIRST_REST_S
     one.submit(TextInput(WISH))
-    heard.wait_for(lambda said: "Here I am." in said)
+    heard.wait_for(lambda said: "Whales swim." in said)
     assert model.fault == ""
 
 
 def test_a_server_that_is_gone_is_not_noticed_by_who_is_answered_on_board(asking):
-    one, heard, model, _ = asking(failing(503), on_board=Eloquent(f"{SAY}I think for myself."))
+    one, heard, model, _ = asking(failing(503), on_board=Eloquent(f"{SAY}Whales think."))
 
     one.submit(TextInput(WISH))
 
-    heard.wait_for(lambda said: "I think for myself." in said)
-    assert heard.messages == ["I think for myself."]
+    heard.wait_for(lambda said: "Whales think." in said)
+    assert heard.messages == ["Whales think."]
     assert "503" in model.fault
 
 
@@ -180,7 +180,7 @@ def test_a_full_server_is_spoken_of_as_busy_and_has_not_failed(asking):
 
 
 def test_an_answer_that_breaks_off_is_ended_with_the_reason(asking):
-    one, heard, model, _ = asking(breaks_off, on_board=Eloquent(f"{SAY}I think for myself."))
+    one, heard, model, _ = asking(breaks_off, on_board=Eloquent(f"{SAY}Whales think."))
 
     one.submit(TextInput(WISH))
 

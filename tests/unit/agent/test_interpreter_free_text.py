@@ -69,11 +69,16 @@ def test_no_other_call_of_a_model_counts(writes: str, logit: float) -> None:
     assert understand(Writer(writes), logit) is None
 
 
-@pytest.mark.parametrize(("logit", "allowed"), [(ORDER, True), (TALK, False)])
-def test_the_grammar_allows_a_call_only_to_an_order(logit: float, allowed: bool) -> None:
+def test_the_grammar_allows_only_the_calls_that_take_any_words() -> None:
     model = Writer("talk: Fine.")
-    understand(model, logit)
+    understand(model, ORDER)
 
-    matcher = Matcher(model.grammar)
-    assert (matcher.accept(NOTED) == len(NOTED)) is allowed
+    assert Matcher(model.grammar).accept(NOTED) == len(NOTED)
     assert Matcher(model.grammar).accept("call: go_home") < len("call: go_home")
+
+
+def test_of_what_is_neither_an_order_nor_a_general_question_no_model_is_asked() -> None:
+    model = Writer("talk: Fine.")
+    understand(model, TALK)
+
+    assert not model.grammar

@@ -139,11 +139,23 @@ def test_a_pause_of_eight_tenths_of_a_second_cuts_no_open_sentence():
 
 
 def test_a_pause_cuts_no_sentence_before_a_slow_machine_knows_its_words(monkeypatch):
-    rig, known = Rig("a latte with", "a latte with milk"), threading.Event()
+    rig, asked, known = (
+        Rig("a latte with", "a latte with milk"),
+        threading.Event(),
+        threading.Event(),
+    )
     hear = rig.stt.transcribe
-    monkeypatch.setattr(rig.stt, "transcribe", lambda *given: known.wait(60) and hear(*given))
 
-    assert rig.hear(*SAID, *PAUSE, *silence(1.3), *SAID, known.set, *LATER) == ["a latte with milk"]
+    def held(*given):
+        asked.set()
+        assert known.wait(60)
+        return hear(*given)
+
+    monkeypatch.setattr(rig.stt, "transcribe", held)
+
+    texts = rig.hear(*SAID, *PAUSE, asked.wait, *silence(1.3), *SAID, known.set, *LATER)
+
+    assert texts == ["a latte with milk"]
 
 
 def test_words_that_cannot_be_judged_are_open(caplog):
