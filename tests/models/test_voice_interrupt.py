@@ -68,7 +68,7 @@ def rested(rig):
 
 def test_while_it_thinks_nothing_is_said_and_the_next_turn_is_clean(rig, teller):
     submit = rig.parts.command_router.submit
-    submit(TextInput("why do people think?"))
+    submit(TextInput("how do whales think?"))
     assert teller.thinks.wait(HUNG_S)
 
     submit(Interrupt("enough"))
@@ -131,8 +131,9 @@ def test_what_is_being_transcribed_when_it_is_interrupted_is_not_done(rig, monke
 
     monkeypatch.setattr(stt, "transcribe", held)
     command = loud(says_espeak("go to the kitchen", "en-us"), 0.08)
-    rig.room.play(np.concatenate([silence(0.5), command, silence(1.0)]))
+    rig.room.play(np.concatenate([silence(0.5), command, silence(2.0)]))
     assert begun.wait(HUNG_S)
+    rig.wait_for(StateChanged, lambda event: event.state is State.TRANSCRIBING)
 
     rig.parts.command_router.submit(Interrupt("enough"))
     go_on.set()
