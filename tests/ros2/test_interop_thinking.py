@@ -1,4 +1,4 @@
-"""The robot's standard topics while a language model on board generates a long answer."""
+"""The robot's standard topics while a language model on board generates an answer."""
 
 import json
 from collections.abc import Callable, Sequence
@@ -55,8 +55,7 @@ class Teller:
                 return all(any(first_ns < t < last_ns for t in one) for one in times_ns())
 
             wait_until(lambda: sent() or over(), "one of each, or the answer's end")
-            self.peer.send("interrupt", "")
-            wait_until(over, "silence")
+            wait_until(over, "the answer's end")
             return sent()
 
         return between
