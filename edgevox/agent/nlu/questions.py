@@ -294,7 +294,7 @@ class CheckedAnswer:
 
     def finish(self) -> list[str]:
         """The pieces of the last sentence, if it may be said."""
-        return self._passed(["".join(self._pieces)], "")
+        return self._passed(["".join(self._pieces)], "") if self._pieces else []
 
     def _passed(self, sentences: Sequence[str], rest: str) -> list[str]:
         pieces, self._pieces = self._pieces, [rest]

@@ -179,6 +179,19 @@ def test_an_answer_is_held_back_from_its_first_claim_on_however_it_is_cut_into_p
         assert checked.dropped
 
 
+def test_an_answer_that_never_began_has_nothing_to_say():
+    assert CheckedAnswer(WORLD["apartment"].claimed_in).finish() == []
+
+
+def test_the_pieces_of_a_sentence_are_told_one_by_one_once_it_has_passed():
+    checked = CheckedAnswer(WORLD["apartment"].claimed_in)
+
+    assert [checked.feed(one) for one in ("All ", "is ", "well. It ", "is")] == [
+        [], [], ["All ", "is ", "well. "], [],
+    ]  # fmt: skip
+    assert "".join(checked.finish()) == "It is"
+
+
 def talk(*pieces):
     body = FakeBody(arrives=True)
     return Talk(body, skills=("navigate_to", "stop"), model=Eloquent(SAY, *pieces))
