@@ -246,7 +246,7 @@ def test_a_stop_word_does_not_wait_in_the_queue_and_leaves_its_place_to_others()
         )
         robot.start()
         try:
-            robot.submit(TextInput("I'd be glad of some company next to the oven"))
+            robot.submit(TextInput("why does ice float on water?"))
             wait_until(lambda: _waiting(metrics) == 1)
             robot.submit(TextInput("stop"))
             assert halted.is_set()

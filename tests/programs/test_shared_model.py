@@ -14,7 +14,7 @@ from edgevox.agent.llm.grammar import SAY
 pytestmark = pytest.mark.long
 
 AGENT = Path(sys.executable).with_name("edgevox-agent")
-WISH = "I'd be glad of some company next to the oven"
+WISH = "why does ice float on water?"
 ANSWER = "That would be nice indeed."
 
 

@@ -112,7 +112,7 @@ def test_without_its_model_it_is_on_ros_2_and_says_what_it_lacks(
     assert "get it with: edgevox-models fetch qwen2.5-coder-0.5b-instruct" in said
     one.send("text_input", "where are you")
     response.wait_for(lambda m: m.startswith("I am in"))
-    one.send("text_input", "I'd be glad of some company next to the oven")
+    one.send("text_input", "why does ice float on water?")
     response.wait_for(lambda m: m == phrases.said("model_failed"))
 
 

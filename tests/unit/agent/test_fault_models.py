@@ -38,7 +38,7 @@ from edgevox.core.status import Level
 from edgevox.voice.stt.speech_to_text import TELL_EVERY_S, Transcript, WatchedSpeechToText
 from edgevox.voice.tts.voices import PresentVoices
 
-WISH = "I'd be glad of some company next to the oven"
+WISH = "why does ice float on water?"
 
 
 def answers_of(bus: Bus) -> Heard[str]:

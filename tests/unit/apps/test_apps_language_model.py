@@ -15,7 +15,7 @@ from edgevox.core.errors import InvalidValue
 from edgevox.core.settings import load_settings
 from edgevox.models.store import ROOT_VARIABLE
 
-WISH = "I'd be glad of some company next to the oven"
+WISH = "why does ice float on water?"
 
 
 def test_without_a_model_and_without_a_server_there_is_none() -> None:
