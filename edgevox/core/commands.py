@@ -102,6 +102,11 @@ class Heard:
     rate: Rate | None = field(default=None, compare=False, repr=False)
     """Rates other texts by the sound; None where the transcript is sure, or nothing can."""
 
+    @property
+    def first_s(self) -> float:
+        """The clock's time of the first voiced sample, or of the last where that is not known."""
+        return self.ended_s if self.began_s is None else self.began_s
+
 
 @dataclass(frozen=True, slots=True)
 class StopSpotted:

@@ -482,8 +482,7 @@ class Hearers:
 
 
 def _span_of(heard: Heard) -> Span:
-    began_s = heard.ended_s if heard.began_s is None else heard.began_s
-    return Span(began_s, heard.ended_s, None)
+    return Span(heard.first_s, heard.ended_s, None)
 
 
 def _ms(seconds: float) -> int:

@@ -3,8 +3,9 @@
 Reads the tuning half of `tests/corpus`, and `sentences.yaml` and `cases` beside it that were
 written for it; nothing of the half that is held out. Three
 logistic regressions, by Newton's method, so that every run gives the same file. The second one
-learns from likelihoods of the first one that never saw the sentence. The third one, of
-`questions.yaml`, tells what a language model may answer, and one of `small_talk.yaml` its kinds.
+learns from likelihoods of the first one that never saw the sentence. The third one learns from
+`questions.yaml` what a language model may answer. A multinomial regression learns the kinds of
+small talk from `small_talk.yaml`.
 
     python -m training.decision.train [FILE]
     python -m training.decision.train --talk     # only the last ones, in the file as it is

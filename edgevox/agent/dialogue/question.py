@@ -263,5 +263,4 @@ class FollowUps:
 
     def takes(self, heard: Heard) -> bool:
         """See `FollowUp.takes`."""
-        began_s = heard.ended_s if heard.began_s is None else heard.began_s
-        return self.awaits(began_s, heard.ended_s) and self._follows(heard)
+        return self.awaits(heard.first_s, heard.ended_s) and self._follows(heard)

@@ -138,8 +138,7 @@ class Stopping:
         `counts` already drops words from before a stop, by their times. This mark makes the
         interlock refuse motion for words that were said while all motion was forbidden.
         """
-        began_s = heard.ended_s if heard.began_s is None else heard.began_s
-        then = [mark for at_s, mark in list(self._marks) if at_s < began_s]
+        then = [mark for at_s, mark in list(self._marks) if at_s < heard.first_s]
         return max(self._interlock.stopped, then[-1] if then else 0)
 
     def queue(self, item: inbox.Item, mark: int) -> None:

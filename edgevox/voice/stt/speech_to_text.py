@@ -20,8 +20,8 @@ class Transcript:
     """The words in a sound, empty if there are none, and how sure it is that they are those.
 
     `others` are what else may have been said, the likeliest first. `rate` rates other texts by the
-    sound, where the words are not sure. `stops` is what was heard in it with stop words in mind:
-    only for a stop word.
+    sound, where the words are not sure. `stops` are the hypotheses of a second search, in which the
+    engine was shown stop words: only a stop word among them counts.
     """
 
     text: str
