@@ -48,7 +48,8 @@ class Example:
     def assert_it_drives_nowhere(self, refusal: str) -> None:
         """Asked to drive it refuses with this, and nothing of driving is heard or published."""
         assert self.talk.answer("go to the kitchen").startswith(refusal)
-        assert self.talk.answer("where are you") == phrases.said("not_known")
+        where = self.talk.answer("where are you")
+        assert where == phrases.said("not_known"), where
         for sentence in ("remember this place as den", "go to x 1 y 2"):
             assert self.talk.answer(sentence).startswith(phrases.opening("not_understood_but"))
         for sentence in ("come back", "go back there"):

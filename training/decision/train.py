@@ -188,10 +188,12 @@ def train_general(encoder: Encoder) -> dict[str, object]:
 def train_small_talk(encoder: Encoder) -> dict[str, object]:
     """The arrays of the regression that tells kinds of small talk, and them from all else."""
     kinds = yaml.safe_load(SMALL_TALK.read_text(encoding="utf-8"))
-    general = yaml.safe_load(QUESTIONS.read_text(encoding="utf-8"))["general"]
-    others = [one.says for one in tuning() if not one.category.startswith(TALKS)]
+    questions = yaml.safe_load(QUESTIONS.read_text(encoding="utf-8"))
+    others = [*questions["general"], *questions["state"]]
+    others += [one.says for one in tuning() if not one.category.startswith(TALKS)]
+    others += [says for says, _ in more_sentences()]
     rows = [(says, kind) for kind, several in kinds.items() for says in several]
-    rows += [(says, "") for says in (*general, *others, *(says for says, _ in more_sentences()))]
+    rows += [(says, "") for says in others]
     raw = np.array([encoder.features(says) for says, _ in rows], np.float64)
     mean, spread = raw.mean(0), raw.std(0) + 1e-6
     names = ["", *kinds]

@@ -1,9 +1,11 @@
 import re
 from contextlib import closing
 from dataclasses import replace
+from threading import Event
 from typing import Annotated
 
 import pytest
+from guards import HUNG_S
 from pydantic import Field
 from support.bodies import SKILLS
 from support.body import FakeBody
@@ -165,6 +167,7 @@ class Unready:
         self.why = SkillFailed("the floor is wet")
         self.waits = False
         self.looked = []
+        self.looking = Event()
         names = ("navigate_to", "dance", "open_door", "get_pose", "stop")
         some = self.body.skills(*names)
         dance = replace(some["dance"], ready=self.ready)
@@ -172,6 +175,7 @@ class Unready:
 
     def ready(self, token, most_s):
         self.looked.append(most_s)
+        self.looking.set()
         if self.waits:
             token.wait()
             token.check()
@@ -221,7 +225,7 @@ def test_a_stop_ends_the_look_whether_it_can_begin(unready):
     robot, talk = unready
     robot.waits = True
     talk.conversation.submit(TextInput("do your dance"))
-    talk.until(lambda: robot.looked)
+    assert robot.looking.wait(HUNG_S)
     talk.conversation.submit(TextInput("stop"))
     talk.settle()
     assert not robot.body.sent
