@@ -18,6 +18,7 @@ from edgevox.robots.capabilities import Body, HasPose, Report
 LEAST_M, MOST_M = 0.05, 20.0
 LEAST_DEG, MOST_DEG = 1.0, 720.0
 _WORTH_SAYING_M = 0.05
+_LITTLE_M, _LITTLE_DEG = {"distance": 0.3}, {"degrees": 20.0}
 
 Distance = Annotated[float, Field(ge=LEAST_M, le=MOST_M, description="metres")]
 Degrees = Annotated[float, Field(ge=LEAST_DEG, le=MOST_DEG, description="degrees")]
@@ -60,7 +61,7 @@ def where(pose: Pose2D) -> dict[str, float]:
 
 
 def _drive_forward(body: DrivingBody) -> Skill:
-    @skill(relative=True, undoable=True)
+    @skill(relative=True, undoable=True, little=_LITTLE_M)
     def drive_forward(goal: GoalHandle, distance: Distance = 1.0) -> Result:
         """Drive straight ahead for a distance in metres, around nothing."""
         return _drive(body, goal, distance)
@@ -69,7 +70,7 @@ def _drive_forward(body: DrivingBody) -> Skill:
 
 
 def _drive_backward(body: DrivingBody) -> Skill:
-    @skill(relative=True, undoable=True, towards_rad=math.pi)
+    @skill(relative=True, undoable=True, little=_LITTLE_M, towards_rad=math.pi)
     def drive_backward(goal: GoalHandle, distance: Distance = 1.0) -> Result:
         """Drive straight back for a distance in metres, where it can see behind itself."""
         return _drive(body, goal, -distance)
@@ -78,7 +79,7 @@ def _drive_backward(body: DrivingBody) -> Skill:
 
 
 def _turn_left(body: TurningBody) -> Skill:
-    @skill(relative=True, undoable=True)
+    @skill(relative=True, undoable=True, little=_LITTLE_DEG)
     def turn_left(goal: GoalHandle, degrees: Degrees = 90.0) -> Result:
         """Turn to the left on the spot, by an angle in degrees."""
         return _turn(body, goal, degrees)
@@ -87,7 +88,7 @@ def _turn_left(body: TurningBody) -> Skill:
 
 
 def _turn_right(body: TurningBody) -> Skill:
-    @skill(relative=True, undoable=True)
+    @skill(relative=True, undoable=True, little=_LITTLE_DEG)
     def turn_right(goal: GoalHandle, degrees: Degrees = 90.0) -> Result:
         """Turn to the right on the spot, by an angle in degrees."""
         return _turn(body, goal, -degrees)
@@ -148,7 +149,7 @@ def walking_skills(body: WalkingBody) -> tuple[Skill, ...]:
 
 
 def _walk_forward(body: WalkingBody) -> Skill:
-    @skill(relative=True, undoable=True)
+    @skill(relative=True, undoable=True, little=_LITTLE_M)
     def walk_forward(goal: GoalHandle, distance: Distance = 1.0) -> Result:
         """Walk straight ahead for a distance in metres."""
         return _walk(body, goal, distance)
@@ -157,7 +158,7 @@ def _walk_forward(body: WalkingBody) -> Skill:
 
 
 def _walk_backward(body: WalkingBody) -> Skill:
-    @skill(relative=True, undoable=True, towards_rad=math.pi)
+    @skill(relative=True, undoable=True, little=_LITTLE_M, towards_rad=math.pi)
     def walk_backward(goal: GoalHandle, distance: Distance = 1.0) -> Result:
         """Walk straight back for a distance in metres."""
         return _walk(body, goal, -distance)

@@ -5,7 +5,7 @@ written for it; nothing of the half that is held out. Three
 logistic regressions, by Newton's method, so that every run gives the same file. The second one
 learns from likelihoods of the first one that never saw the sentence. The third one learns from
 `questions.yaml` what a language model may answer. A multinomial regression learns the kinds of
-small talk from `small_talk.yaml`.
+small talk from `small_talk.yaml`, and another one what a robot is asked to do from `asked`.
 
     python -m training.decision.train [FILE]
     python -m training.decision.train --talk     # only the last ones, in the file as it is
@@ -36,6 +36,9 @@ HEAD = ROOT / "edgevox" / "agent" / "nlu" / HEAD_FILE
 MORE = Path(__file__).with_name("sentences.yaml")
 QUESTIONS = Path(__file__).with_name("questions.yaml")
 SMALL_TALK = Path(__file__).with_name("small_talk.yaml")
+ASKED = Path(__file__).with_name("asked")
+NO_TALK = "none"
+"""Its sentences that are no small talk."""
 TALK_WEIGHT = 3.0
 """How much more a sentence of small talk counts than another one, of which there are more."""
 TALKS = ("small talk", "praise", "insults", "jokes", "feelings", "complaints", "permission",
@@ -174,7 +177,7 @@ def train_general(encoder: Encoder) -> dict[str, object]:
     data = yaml.safe_load(QUESTIONS.read_text(encoding="utf-8"))
     rows = [(says, kind == "general") for kind, several in data.items() for says in several]
     talk = yaml.safe_load(SMALL_TALK.read_text(encoding="utf-8"))
-    rows += [(says, False) for several in talk.values() for says in several]
+    rows += [(says, False) for kind, some in talk.items() if kind != NO_TALK for says in some]
     raw = np.array([encoder.features(says) for says, _ in rows], np.float64)
     mean, spread = raw.mean(0), raw.std(0) + 1e-6
     wanted = np.array([general for _, general in rows], float)
@@ -191,14 +194,14 @@ def train_small_talk(encoder: Encoder) -> dict[str, object]:
     questions = yaml.safe_load(QUESTIONS.read_text(encoding="utf-8"))
     others = [*questions["general"], *questions["state"]]
     others += [one.says for one in tuning() if not one.category.startswith(TALKS)]
-    others += [says for says, _ in more_sentences()]
+    others += [*(says for says, _ in more_sentences()), *kinds.pop(NO_TALK)]
     rows = [(says, kind) for kind, several in kinds.items() for says in several]
     rows += [(says, "") for says in others]
     raw = np.array([encoder.features(says) for says, _ in rows], np.float64)
     mean, spread = raw.mean(0), raw.std(0) + 1e-6
     names = ["", *kinds]
     wanted = np.array([[one == kind for kind in names] for _, one in rows], float)
-    weights, biases = multinomial((raw - mean) / spread, wanted)
+    weights, biases = multinomial((raw - mean) / spread, wanted, TALK_WEIGHT)
     return {
         "talk_kinds": np.array(names),
         "talk_weights": (weights / spread).astype(np.float32),
@@ -206,10 +209,30 @@ def train_small_talk(encoder: Encoder) -> dict[str, object]:
     }
 
 
-def multinomial(values: Floats, wanted: Floats) -> tuple[Floats, Floats]:
-    """Weights and biases of a multinomial regression, whose first class is all else."""
+def train_asked(encoder: Encoder) -> dict[str, object]:
+    """The arrays of the regression that tells what a robot is asked to do."""
+    rows = [
+        (says, kind)
+        for file in sorted(ASKED.glob("*.yaml"))
+        for kind, several in yaml.safe_load(file.read_text(encoding="utf-8")).items()
+        for says in several
+    ]
+    raw = np.array([encoder.features(says) for says, _ in rows], np.float64)
+    mean, spread = raw.mean(0), raw.std(0) + 1e-6
+    names = list(dict.fromkeys(kind for _, kind in rows))
+    wanted = np.array([[one == kind for kind in names] for _, one in rows], float)
+    weights, biases = multinomial((raw - mean) / spread, wanted)
+    return {
+        "asked_kinds": np.array(names),
+        "asked_weights": (weights / spread).astype(np.float32),
+        "asked_biases": biases - (weights * mean / spread).sum(axis=1),
+    }
+
+
+def multinomial(values: Floats, wanted: Floats, heavier: float = 1.0) -> tuple[Floats, Floats]:
+    """Weights and biases of a multinomial regression; all classes but the first are `heavier`."""
     size, count = values.shape[1], wanted.shape[1]
-    mass = np.where(wanted[:, 0] > 0, 1.0, TALK_WEIGHT)
+    mass = np.where(wanted[:, 0] > 0, 1.0, heavier)
 
     def loss(found: Floats) -> tuple[float, Floats]:
         weights, biases = found[: count * size].reshape(count, size), found[count * size :]
@@ -255,7 +278,7 @@ def main() -> int:
     place = Path(sys.argv[1]) if len(sys.argv) > 1 and not talk else HEAD
     encoder = Encoder(locate(ENCODER))
     arrays = dict(np.load(HEAD)) if talk else train(encoder, show=True)
-    arrays |= train_general(encoder) | train_small_talk(encoder)
+    arrays |= train_general(encoder) | train_small_talk(encoder) | train_asked(encoder)
     with place.open("wb") as file:
         np.savez(file, **arrays)  # type: ignore[arg-type]
     print(f"{place}: {place.stat().st_size} bytes")

@@ -279,6 +279,11 @@ class Clauses:
             value = part.support + 0.6 * part.grounded - _STRANGE_INSIDE_COSTS * part.strange
             yield value - _CALL_COSTS + 0.3 * again - 0.01 * index, replace(part, rival=rival)
 
+    def whole(self, words: SkillWords) -> ClauseReading | None:
+        """All words as one call of this skill that takes every name and number, or None."""
+        calls = self._calls(words, 0, len(self.tokens), self._names, self._numbers)
+        return next(calls, None)
+
     def _may_be_short(self, part: ClauseReading) -> bool:
         """True if the call may lack its verb: "the kitchen, please" can only ask for a drive."""
         return part.grounded > 0 and self._lexicon.skills[part.call.skill].drives

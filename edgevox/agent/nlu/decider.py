@@ -6,11 +6,11 @@ reads a sentence and judges the reading; `Decider` adds the encoder's opinion.
 
 import itertools
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from edgevox.agent.nlu.clauses import ClauseReading, find_place
+from edgevox.agent.nlu.clauses import ClauseReading, find_names, find_place
 from edgevox.agent.nlu.encoder import Floats, Head, SentenceReader
 from edgevox.agent.nlu.lexicon import Lexicon, Words, is_mark, is_number
 from edgevox.agent.nlu.meaning import ASK_FROM, SURE_FROM
@@ -100,6 +100,8 @@ def is_doubted(reading: Reading, facts: Mapping[str, float], lexicon: Lexicon) -
     wanted = any(facts[one] for one in ("urged", "asking", "wishing", "corrected"))
     if _is_told_of(reading.tokens, lexicon, wanted) or _names_another_way(reading, lexicon):
         return True
+    if _goes_two_ways(reading, lexicon):
+        return True
     pairs = itertools.pairwise(reading.tokens)
     if any(is_number(a) and b.isalpha() and not lexicon.knows(b) for a, b in pairs):
         return True
@@ -119,6 +121,23 @@ def _names_another_way(reading: Reading, lexicon: Lexicon) -> bool:
         for at, token in enumerate(reading.tokens[part.start : part.end], part.start)
         if at not in reading.courteous
     )
+
+
+def _goes_two_ways(reading: Reading, lexicon: Lexicon) -> bool:
+    """True if a motion by an amount has, behind a mark, a word of another one alone.
+
+    "Forward, back one metre" may take the first word back.
+    """
+    moving = {name: one.weights for name, one in lexicon.words.items() if one.skill.relative}
+    for part in reading.parts:
+        own = moving.get(part.call.skill)
+        marks = [at for at in range(part.start, part.end) if is_mark(reading.tokens[at])]
+        for at in range(marks[0], part.end) if own is not None and marks else ():
+            token = reading.tokens[at]
+            others = any(token in one for name, one in moving.items() if name != part.call.skill)
+            if own is not None and token not in own and others:
+                return True
+    return False
 
 
 def _is_told_of(tokens: Words, lexicon: Lexicon, wanted: bool) -> bool:
@@ -312,11 +331,52 @@ class Readings:
                 )
         return None
 
+    def whole(self, text: str, skills: Collection[str]) -> Call | None:
+        """The text as one call of one of these skills, though its words may not say so.
+
+        None if words deny, report, condition or change an order, or are left over.
+        """
+        if not is_exact(text, self._language):
+            return None
+        self._renew()
+        plain = " ".join(text.split())
+        for lexicon, reader in self._readers:
+            reading = reader.whole(digits(plain, lexicon.book.code), skills)
+            if reading is None or _unitless_one(reading):
+                continue
+            facts = evidence(reading, lexicon, text)
+            against = any(facts[one] for one in (*_OBJECTIONS, "conditions", "opens_as_question"))
+            left = self._is_left(reading, lexicon, plain, likely=True)
+            guessed = reading.strange and not reading.calls[0].arguments
+            if against or left or guessed or self._denies(plain):
+                return None
+            return reading.calls[0]
+        return None
+
+    def _denies(self, text: str) -> bool:
+        """True if a word of the spoken language or of English denies something."""
+        return any(is_denied(text, lexicon) for lexicon, _ in self._readers)
+
     @property
     def lexicon(self) -> Lexicon:
         """The words of the spoken language, with the present names."""
         self._renew()
         return self._readers[0][0]
+
+    def says_little(self, text: str) -> bool:
+        """True if the text has words for a small amount: "a bit", but not that of "in a bit"."""
+        lexicon, tokens = self.lexicon, self.lexicon.tokenize(" ".join(text.split()))
+        words = lexicon.function_words
+        longer = [
+            range(at, at + len(one))
+            for at, one in lexicon.index((*words.fillers, *words.put_off)).find(tokens)
+        ]
+        for at, one in lexicon.index(words.little).find(tokens):
+            inside = any(at in other and len(other) > len(one) for other in longer)
+            after = next(iter(tokens[at + len(one) :]), "")
+            if not inside and (not after.isalpha() or lexicon.knows(after)):
+                return True  # "a little", but not that of "a little circle"
+        return False
 
     def knows(self, text: str) -> bool:
         """True if each word of a text, small ones aside, is used for a motion of these skills."""
@@ -359,6 +419,37 @@ class Readings:
         if self.hold_back(" ".join(one for one in plain if not one.isdigit())):
             found.add("changed")
         return frozenset(found)
+
+    def is_aside(self, text: str, *, may_deny: bool) -> bool:
+        """True if no word of a clause counts, names, conditions, corrects or puts off anything.
+
+        A clause that `may_deny` may hold a denial, but no word of a motion then.
+        """
+        self._renew()
+        for lexicon, _ in self._readers:
+            words, answers = lexicon.function_words, lexicon.book.answers
+            against = (
+                *words.conditions, *words.reversals, *words.put_off, *words.reports, *words.bounds,
+            )  # fmt: skip
+            denying = (*words.negations, *answers.not_, *answers.no)
+            tokens = _tokens(" ".join(text.split()), lexicon)
+            if any(map(is_number, tokens)) or find_names(lexicon, tokens):
+                return False
+            if next(lexicon.as_written(against).find(tokens), None):
+                return False
+            if lexicon.index(words.corrections).starts(tokens) & {0, 1}:
+                return False
+            denied = bool(lexicon.index(denying).starts(tokens))
+            if denied and not (may_deny and not _moves(tokens, lexicon)):
+                return False
+        return True
+
+    def is_filler(self, text: str) -> bool:
+        """True if each word of a text may as well be left out."""
+        lexicon = self.lexicon
+        words, tokens = lexicon.function_words, _tokens(" ".join(text.split()), lexicon)
+        filling = (*words.fillers, *words.urges, *words.results, *lexicon.book.hearing.joints)
+        return lexicon.index(filling).places(tokens).issuperset(range(len(tokens)))
 
     def hold_back(self, text: str) -> bool:
         """True if these words hold something that changes or denies an order."""
@@ -430,7 +521,9 @@ class Readings:
                 return one, next(iter(one.choices)), said
         return None
 
-    def _is_left(self, reading: Reading, lexicon: Lexicon, text: str) -> bool:
+    def _is_left(
+        self, reading: Reading, lexicon: Lexicon, text: str, *, likely: bool = False
+    ) -> bool:
         """True if a reading that acts leaves out words that change or deny the order.
 
         An English reading is checked for words of the spoken language as well.
@@ -438,12 +531,13 @@ class Readings:
         skills = [lexicon.skills[call.skill] for call in reading.calls]
         if not any(one.drives or one.lasting for one in skills):
             return False
-        if is_left_over(reading.tokens, lexicon, reading.parts):
+        if is_left_over(reading.tokens, lexicon, reading.parts, likely=likely):
             return True
         if is_denied_inside(text, lexicon) and not reading.corrected:
             return True
         spoken = self._readers[0][0]
-        return lexicon is not spoken and is_left_over(_tokens(text, spoken), spoken, reading.parts)
+        tokens = _tokens(text, spoken)
+        return lexicon is not spoken and is_left_over(tokens, spoken, reading.parts, likely=likely)
 
     def _renew(self) -> None:
         """Rebuild the readers if the words of arguments have changed: places are learned."""
@@ -489,8 +583,15 @@ class Decider:
         """
         return self._head.general(self._features(text)) > 0
 
-    def small_talk(self, text: str) -> str | None:
-        """The kind of small talk that the sentence is, or None: see `say.talk_*` of a language."""
+    def asked(self, text: str) -> tuple[str, float]:
+        """What a robot is most likely asked to do by these words alone, and how likely it is."""
+        return self._head.asked(self._features(text))
+
+    def small_talk(self, text: str) -> tuple[str, float]:
+        """The kind of small talk that the sentence most likely is, and how likely it is.
+
+        See `say.talk_*` of a language.
+        """
         return self._head.small_talk(self._features(text))
 
     def _order(self, text: str) -> float:
@@ -557,12 +658,25 @@ def _asks_about_another(reading: Reading, lexicon: Lexicon) -> bool:
     )
 
 
+def _moves(tokens: Words, lexicon: Lexicon) -> bool:
+    """True if a word speaks for a motion."""
+    moving = [one for name, one in lexicon.words.items() if lexicon.skills[name].drives]
+    return any(one.weights.get(token, 0.0) >= _SPEAKS for one in moving for token in tokens)
+
+
+def _unitless_one(reading: Reading) -> bool:
+    return any(one.unitless and 1.0 in one.call.arguments.values() for one in reading.parts)
+
+
 def _held_back(reading: Reading, facts: Mapping[str, float]) -> bool:
     """True if something forbids the reading, whatever its likelihood.
 
-    That is a denial; an unknown word where a value is missing; before a motion a report, a question
-    or an unread part; and words that speak for two skills alike.
+    That is a denial; an unknown word where a value is missing; a "one" without a unit, which may
+    stand for a thing ("the nearer one"); before a motion a report, a question or an unread part;
+    and words that speak for two skills alike.
     """
+    if _unitless_one(reading):
+        return True
     if facts["denied"] or facts["strange_unfilled"] or (facts["moves"] and reading.unread):
         return True
     if facts["moves"] and (facts["opens_as_question"] or facts["reports"]):

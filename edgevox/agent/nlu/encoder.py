@@ -354,9 +354,6 @@ def _gelu(values: Floats) -> Floats:
 
 HEAD_FILE = "head.npz"
 """Name of the head's file, made by `training/decision/train.py`."""
-_TALK_FROM = 0.4
-"""Likelihood from which on a sentence is a kind of small talk. Of those that it was trained with,
-each judged by the rest, 71 % are told so and 10 % taken for another kind; of all others 2 %."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -364,8 +361,8 @@ class Head:
     """Logistic regressions.
 
     One tells orders from other sentences, one judges a reading, and one tells questions about the
-    world in general from those about what is here and now, the speaker and the robot. The last one
-    tells kinds of small talk.
+    world in general from those about what is here and now, the speaker and the robot. Two more tell
+    kinds of small talk, and what a sentence asks a robot to do.
     """
 
     order_weights: Floats
@@ -392,6 +389,12 @@ class Head:
     """Weights of the encoder's features for each of these, shape (kinds, size)."""
     talk_biases: Floats
     """Biases of these, shape (kinds,)."""
+    asked_kinds: tuple[str, ...]
+    """What a sentence may ask for: the keys of `training/decision/asked/*.yaml`."""
+    asked_weights: Floats
+    """Weights of the encoder's features for each of these, shape (kinds, size)."""
+    asked_biases: Floats
+    """Biases of these, shape (kinds,)."""
 
     def order(self, features: Floats) -> float:
         """Logit of a sentence to be an order to the hearer."""
@@ -401,12 +404,19 @@ class Head:
         """Logit of a sentence to be answered by general knowledge."""
         return float(features @ self.general_weights + self.general_bias)
 
-    def small_talk(self, features: Floats) -> str | None:
-        """The kind of small talk that a sentence is, or None."""
+    def small_talk(self, features: Floats) -> tuple[str, float]:
+        """The kind of small talk that a sentence most likely is, and how likely it is."""
         logits = self.talk_weights @ features + self.talk_biases
         likely = np.exp(logits - logits.max())
         best = 1 + int(likely[1:].argmax())
-        return self.talk_kinds[best] if likely[best] >= _TALK_FROM * likely.sum() else None
+        return self.talk_kinds[best], float(likely[best] / likely.sum())
+
+    def asked(self, features: Floats) -> tuple[str, float]:
+        """What a sentence most likely asks for, one of `asked_kinds`, and how likely it does."""
+        logits = self.asked_weights @ features + self.asked_biases
+        likely = np.exp(logits - logits.max())
+        best = int(likely.argmax())
+        return self.asked_kinds[best], float(likely[best] / likely.sum())
 
     def likelihood(self, order: float, evidence: Mapping[str, float]) -> float:
         """Likelihood of a reading to be meant, from 0 to 1."""
@@ -440,4 +450,7 @@ def head_of(data: Mapping[str, Any]) -> Head:
         talk_kinds=tuple(map(str, data["talk_kinds"])),
         talk_weights=np.asarray(data["talk_weights"], np.float32),
         talk_biases=np.asarray(data["talk_biases"], np.float32),
+        asked_kinds=tuple(map(str, data["asked_kinds"])),
+        asked_weights=np.asarray(data["asked_weights"], np.float32),
+        asked_biases=np.asarray(data["asked_biases"], np.float32),
     )

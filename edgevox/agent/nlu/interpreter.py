@@ -5,8 +5,10 @@ answers in words, hands over to another agent, and fills in arguments that take 
 sentence is an order; then the robot asks first.
 """
 
+import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 
 from edgevox.agent.agents import Agent, by_name
 from edgevox.agent.known import StateCondition
@@ -20,7 +22,15 @@ from edgevox.agent.llm.language_model import (
 )
 from edgevox.agent.llm.prompt import History, size_tokens
 from edgevox.agent.nlu.abilities import abilities, cannot_do, not_understood
-from edgevox.agent.nlu.decider import Decider, Decision, Readings
+from edgevox.agent.nlu.apart import (
+    GUESSES,
+    OTHER,
+    REMARK,
+    Clause,
+    clauses_of,
+    read_apart,
+)
+from edgevox.agent.nlu.decider import QUESTION_MARKS, Decider, Decision, Readings
 from edgevox.agent.nlu.disfluencies import fluent
 from edgevox.agent.nlu.hearing.hypotheses import breaks_off, is_contested, is_same, likeliest
 from edgevox.agent.nlu.hearing.near import NearCommands
@@ -62,6 +72,24 @@ BACK = "go_back"
 LEAST_LIKELY = 0.15
 """A model is not sure of an answer with a less likely word. By `benchmarks.agent.everyday`, on the
 half for tuning."""
+
+_STRETCHED = re.compile(r"(\w)\1{2,}")
+"""A letter that is typed more often than twice: "hiii"."""
+
+MOST_STRANGE = 0.17
+"""Largest share of unknown words in a question that is guessed."""
+
+CHATS, CHATS_APART = 0.4, 0.6
+"""Least likelihood of small talk, and of that in one of several clauses."""
+
+LIKELY_ASKED = 0.6
+"""Least likelihood of what a clause asks for."""
+
+PLAINLY_OTHER = 0.6
+"""Least likelihood of an order that no skill does."""
+
+LIKELY_TALK, PLAINLY_TALK = 0.5, 0.85
+"""Least likelihood of a remark, and of one that denies something: "I don't bite"."""
 
 _SPOKEN = (Outcome.ANSWERED, Outcome.INTERRUPTED)
 
@@ -125,6 +153,22 @@ class Interpreter:
 
     def understand(self, text: str, turn: Turn) -> Meaning | None:
         """The meaning of an utterance; None if `turn` has answered it in words."""
+        meaning = self._understood(text, turn)
+        return self._with_little(meaning, text) if meaning else None
+
+    def _with_little(self, meaning: Meaning, text: str) -> Meaning:
+        """The meaning, with what "a bit" stands for where no amount was said."""
+        skills = meaning.agent.skills
+        little = {name: one.little for name, one in skills.items() if one.little}
+        calls = tuple(
+            one if one.arguments or one.skill not in little else Call(one.skill, little[one.skill])
+            for one in meaning.calls
+        )
+        if calls == meaning.calls or not self._readings[meaning.agent.name].says_little(text):
+            return meaning
+        return replace(meaning, calls=calls)
+
+    def _understood(self, text: str, turn: Turn) -> Meaning | None:
         plain = self.plain(text)
         said, text = text, fluent(text, self._code)
         asked = self._cued(text)
@@ -154,6 +198,8 @@ class Interpreter:
             return self._taken(meaning, turn)
         if asked:
             return self._taken(asked, turn)
+        if program is None and plain is None and (meaning := self._apart(text)):
+            return self._taken(meaning, turn)
         refused = program if isinstance(program, RefusedCommand) else plain
         if refused:
             turn.say(refused.reason, Outcome.REFUSED, detail=refused.detail)
@@ -170,9 +216,60 @@ class Interpreter:
     def _judged(self, text: str, turn: Turn, *, refused: bool) -> Meaning | None:
         """The judged reading; none that only guesses where something better can be said."""
         meaning = self._without_acts(self._read(text), text, turn)
-        if meaning and self._only_guesses(meaning) and (refused or self._unknown_place(text)):
-            return None
+        if meaning and self._only_guesses(meaning):
+            judged = self._readings[meaning.agent.name].of(text)
+            strange = judged is not None and judged.evidence["share_strange"] > MOST_STRANGE
+            if refused or strange or self._unknown_place(text):
+                return None
         return meaning
+
+    def _apart(self, text: str) -> Meaning | None:
+        """The motions that the clauses of a text order, each read alone or guessed by the encoder.
+
+        What a clause leaves to guess is asked about, and so is what stands beside a remark.
+        """
+        decider = self._decider
+        if decider is None:
+            return None
+        found = read_apart(
+            text,
+            self._code,
+            self.phrases.hearing.joints,
+            lambda one: self._clause(one, decider),
+            partial(self._remarks, decider),
+        )
+        meaning = found and Meaning(
+            self.active, found.calls, "reading", 1.0 if found.sure else ASK_FROM
+        )
+        return meaning if meaning and _drives(meaning) else None
+
+    def _clause(self, text: str, decider: Decider) -> Clause | None:
+        """The calls of one clause: by templates, by what is likely asked, or by its reading."""
+        plain = self.plain(text)
+        if isinstance(plain, Meaning):
+            return Clause(plain.calls, sure=True) if _drives(plain) else None
+        if plain is not None:
+            return None
+        readings = self._readings[self.active.name]
+        if self._cannot(text)[0] or readings.unknown_place(text):
+            return None
+        kind, likely = decider.asked(text)
+        decision = decider.decide(readings.of(text), text)
+        if decision and decision.sure:
+            return Clause(decision.calls, sure=False)
+        likely_one = GUESSES.get(kind, ()) if likely >= LIKELY_ASKED else ()
+        if call := readings.whole(text, likely_one):
+            return Clause((call,), sure=False, guessed=True)
+        return Clause(decision.calls, sure=False, guessed=True) if decision else None
+
+    def _remarks(self, decider: Decider, text: str) -> bool:
+        """True if a clause asks for nothing and changes nothing of what is asked beside it."""
+        readings = self._readings[self.active.name]
+        kind, likely = decider.asked(text)
+        talks = kind == REMARK and likely >= LIKELY_TALK
+        return (talks or readings.is_filler(text)) and (
+            not self._cannot(text)[0] and readings.is_aside(text, may_deny=likely >= PLAINLY_TALK)
+        )
 
     def _answer(self, text: str, said: str, turn: Turn) -> Meaning | None:
         """Answer words that are no order: by what the robot knows, else by the model.
@@ -200,7 +297,7 @@ class Interpreter:
             turn.say(self.phrases.say("not_known"))
             return None
         if self._model is None:
-            self._say_not_understood(turn)
+            self._say_not_understood(text, turn)
             return None
         return self._ask_model(self._model, said, turn)
 
@@ -269,7 +366,7 @@ class Interpreter:
         cannot, elsewhere = self._cannot(text) if acts else ("", False)
         if not meaning or not cannot:
             return meaning
-        if guesses or not elsewhere:
+        if guesses or not elsewhere or not any(call.arguments for call in meaning.calls):
             return None
         turn.say(cannot)
         return replace(meaning, confidence=min(meaning.confidence, ASK_FROM))
@@ -303,11 +400,27 @@ class Interpreter:
         return self._model is not None and self._decider.is_general(text)
 
     def _small_talk(self, text: str) -> str:
-        """The answer to small talk that names nothing of the robot's world; else empty."""
-        kind = self._decider.small_talk(text) if self._decider else None
-        if kind is None or self._world().named_in(text):
+        """The answer to small talk that names nothing of the robot's world; else empty.
+
+        Of several clauses, all of which are talk, the likeliest is answered; none if one asks for
+        something else.
+        """
+        decider = self._decider
+        if decider is None or self._world().named_in(text):
             return ""
-        return self.phrases.say(f"talk_{kind}")
+        text = _STRETCHED.sub(r"\1", text)
+        clauses = clauses_of(text, self._code)
+        kinds = [decider.small_talk(one) for one in clauses]
+        if len(clauses) > 1 and any(
+            likely < CHATS and asks(one, self._code)
+            for one, (_, likely) in zip(_with_marks(clauses, text), kinds, strict=True)
+        ):
+            return ""
+        kind, likely = decider.small_talk(text)
+        if likely < CHATS and {decider.asked(one)[0] for one in clauses} == {REMARK}:
+            kind, likely = max(kinds, key=lambda one: one[1])
+            likely -= CHATS_APART - CHATS
+        return self.phrases.say(f"talk_{kind}") if likely >= CHATS else ""
 
     def _asked(self, text: str) -> Meaning | None:
         """The question to the robot that the words most likely ask, though no template fits."""
@@ -319,8 +432,9 @@ class Interpreter:
 
     def _cued(self, text: str) -> Meaning | None:
         """The question to the robot whose own words are said."""
+        general = partial(self._decider.is_general, text) if self._decider else lambda: False
         for agent in self._active_first():
-            if call := cued(text, self._questions[agent.name].lexicon):
+            if call := cued(text, self._questions[agent.name].lexicon, general):
                 return Meaning(agent, (call,), "reading", ASK_FROM)
         return None
 
@@ -457,7 +571,7 @@ class Interpreter:
             handoffs = [call for call in calls if call.skill == HANDOFF]
             if calls and not handoffs:
                 if self._leaves_out(calls, text):
-                    self._say_not_understood(turn)
+                    self._say_not_understood(text, turn)
                     return None
                 return Meaning(self.active, tuple(calls), "model", ASK_FROM)
             if not calls:
@@ -497,11 +611,22 @@ class Interpreter:
         if asks(text, self._code) or (self._is_general(text) and not self._ordered(text)):
             turn.say(self.phrases.say("not_known"))
         else:
-            self._say_not_understood(turn)
+            self._say_not_understood(text, turn)
 
-    def _say_not_understood(self, turn: Turn) -> None:
-        told, detail = not_understood(self.phrases, self._every_skill())
-        turn.say(told, Outcome.NOT_UNDERSTOOD, detail=detail)
+    def _say_not_understood(self, text: str, turn: Turn) -> None:
+        """Say that the robot does not do that, has no answer, or did not understand."""
+        kind, likely = self._decider.asked(text) if self._decider else ("", 0.0)
+        plainly = kind == OTHER and likely >= PLAINLY_OTHER and not self._world().named_in(text)
+        if plainly and not asks(text.rstrip(QUESTION_MARKS), self._code):
+            _, can = not_understood(self.phrases, self._every_skill())
+            turn.say(self.phrases.say("no_ability"), Outcome.REFUSED, detail=can)
+        elif asks(text, self._code):
+            turn.say(self.phrases.say("not_known"), Outcome.NOT_UNDERSTOOD)
+        elif kind == REMARK and likely >= PLAINLY_TALK:
+            turn.say(self.phrases.say("no_answer"), Outcome.NOT_UNDERSTOOD)
+        else:
+            told, detail = not_understood(self.phrases, self._every_skill())
+            turn.say(told, Outcome.NOT_UNDERSTOOD, detail=detail)
 
     def _generate(
         self, model: LanguageModel, protocol: Protocol, text: str, turn: Turn, *, ordered: bool
@@ -600,6 +725,15 @@ def _acts(meaning: Meaning) -> bool:
 def _takes_any_words(meaning: Meaning) -> bool:
     skills = [meaning.agent.every_skill[call.skill] for call in meaning.calls]
     return not _acts(meaning) and any(one.new_names for one in skills)
+
+
+def _with_marks(clauses: Sequence[str], text: str) -> Sequence[str]:
+    """The clauses, each with the mark that ends it in the text."""
+    at, found = 0, []
+    for one in clauses:
+        at = text.index(one, at) + len(one)
+        found.append(one + text[at : at + 1].strip())
+    return found
 
 
 def _goes_back_from_there(meaning: Meaning) -> bool:

@@ -54,6 +54,8 @@ class FunctionWords:
     """Words that open an order in the form of a statement: "you' re needed"."""
     reasons: tuple[str, ...] = ()
     """Words that open a clause with a reason."""
+    results: tuple[str, ...] = ()
+    """Words that open what follows from a reason: "so"."""
     reversals: tuple[str, ...] = ()
     """Words that reverse the order of doing."""
     plans: tuple[str, ...] = ()
@@ -78,6 +80,8 @@ class FunctionWords:
     """Parts of numbers, units and times; the sentence is no order if no value took them."""
     number_marks: tuple[str, ...] = ()
     """Amounts only beside a number: "two point five"."""
+    little: tuple[str, ...] = ()
+    """Words for a small amount: "a bit"."""
     bounds: tuple[str, ...] = ()
     """Bounds of a number, only beside it: "at least two"."""
     put_off: tuple[str, ...] = ()

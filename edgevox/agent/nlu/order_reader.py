@@ -90,6 +90,8 @@ _LETTER = r"\w\u0900-\u0963\u0971-\u097f"
 """Vowel signs of Devanagari are no word characters to `re`."""
 _GAP = rf"[{_PUNCTUATION}]*"
 _NUMBER = r"(?:\d*[1-9]0 [1-9]|\d+(?:\.\d+)?)"
+_AMOUNT = re.compile(r"-?\d+(?:\.\d+)?\s*[^\W\d]*")
+"""A number alone, or with its unit."""
 _TIME = r"\d{1,2}[:.]\d{2}"
 
 
@@ -437,6 +439,8 @@ class _ProgramLanguage:
         self, order: Program, slots: dict[str, str], plain: Plain, left: int
     ) -> Program | RefusedCommand | None:
         """Two orders in sequence; after "when you are there" the second waits for the motion."""
+        if "words" in slots and _AMOUNT.fullmatch(slots["words"].strip()):
+            return None  # "turn right, say 20 degrees"
         after: Program | RefusedCommand | None = (
             self._said(slots["words"])
             if "words" in slots

@@ -45,22 +45,24 @@ def question_of(judged: Judged | None, text: str, code: str) -> Call | None:
     return part.call if told and known and clear else None
 
 
-def cued(text: str, lexicon: Lexicon) -> Call | None:
+def cued(text: str, lexicon: Lexicon, general: Callable[[], bool] = lambda: False) -> Call | None:
     """The question of the table `cues` whose words are all said, in any order; None if unclear.
 
     Of several questions the one with the most groups of words is asked, then the one with the
-    longest. All names must be used, and hardly a word be unknown: "how long does a film last".
+    longest. All names must be used, and hardly a word be unknown: "how long does a film last";
+    none at all in a text that asks of the world in `general`: "in which year did the war end".
     """
     if not _inquires(text, lexicon.book.code):
         return None
     written = lexicon.tokenize(digits(" ".join(text.split()), lexicon.book.code))
+    most = _MOST_STRANGE[0] if lexicon.book.hearing.spaced else _MOST_STRANGE_SIGNS
     for tokens in dict.fromkeys((written, lexicon.spelled(written))):
-        if call := _cued(tokens, lexicon):
-            return call
+        if call := _cued(tokens, lexicon, most):
+            return _cued(tokens, lexicon, 0.0) if general() else call
     return None
 
 
-def _cued(tokens: Words, lexicon: Lexicon) -> Call | None:
+def _cued(tokens: Words, lexicon: Lexicon, most: float) -> Call | None:
     names, asked = find_names(lexicon, tokens), dict[tuple[int, int], list[Call]]()
     for one in lexicon.skills.values():
         cues = _cues(one, lexicon.book)
@@ -73,7 +75,7 @@ def _cued(tokens: Words, lexicon: Lexicon) -> Call | None:
             call = _call(one, called if slots else ())
             if len(found) < len(groups) or len(called) != slots or call is None:
                 continue
-            if _is_known(tokens, used, called, lexicon):
+            if _share_strange(tokens, used, called, lexicon) <= most:
                 asked.setdefault((len(found), sum(map(len, found))), []).append(call)
     first, *others = asked[max(asked)] if asked else [None]
     return first if all(one == first for one in others) else None
@@ -157,16 +159,17 @@ def _covers(used: frozenset[str], name: Words) -> bool:
     return used.issuperset(name) or any("".join(name) in one for one in used)
 
 
-def _is_known(tokens: Words, used: frozenset[str], names: Sequence[Name], lexicon: Lexicon) -> bool:
-    """True if hardly a word is unknown beside the names and the words of this question's cues."""
+def _share_strange(
+    tokens: Words, used: frozenset[str], names: Sequence[Name], lexicon: Lexicon
+) -> float:
+    """The share of unknown words, beside the names and the words of this question's cues."""
     inside = {at for one in names for at in range(one.start, one.end)}
     strange = [
         one
         for at, one in enumerate(tokens)
         if at not in inside and not (is_mark(one) or lexicon.knows(one) or one in used)
     ]
-    most = _MOST_STRANGE[0] if lexicon.book.hearing.spaced else _MOST_STRANGE_SIGNS
-    return len(strange) <= most * len(tokens)
+    return len(strange) / max(1, len(tokens))
 
 
 def _call(one: Skill, names: Sequence[Name]) -> Call | None:

@@ -6,11 +6,12 @@ later whether the speaker wants the calls done.
 """
 
 import itertools
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 from edgevox.agent.nlu.clauses import ClauseReading, Clauses, Name, Number, find_names, find_numbers
 from edgevox.agent.nlu.lexicon import Lexicon, Words, is_mark
+from edgevox.agent.nlu.remainder import SPEAKS
 from edgevox.agent.skills import Call
 
 _BESIDE = 3.0
@@ -59,7 +60,9 @@ class CallReader:
         self._joints = lexicon.index(joints)
         self._prefixes = tuple(one for one in joints if len(one) == 1 and one > "z")
         self._courtesies = lexicon.index((*courtesies, *words.asking, *words.wishes, *linked))
-        self._filling = lexicon.index((*words.fillers, *words.urges, *joints, *words.corrections))
+        self._filling = lexicon.index(
+            (*words.fillers, *words.urges, *words.little, *joints, *words.corrections)
+        )
         self._negations = lexicon.index(words.negations)
         self._corrections = lexicon.index(words.corrections)
         denials = () if lexicon.book.hearing.denials_follow else lexicon.book.answers.not_
@@ -103,7 +106,8 @@ class CallReader:
             return None
         strange = sum(sentence.strange(a, b) for a, b in _gaps(parts, len(tokens)))
         strange += sum(part.strange for part in parts)
-        unread = any(a in joining and sentence.strange(a, b) for a, b in _gaps(parts, len(tokens)))
+        gaps = [(a, b) for a, b in _gaps(parts, len(tokens)) if a in joining]
+        unread = any(sentence.strange(a, b) or self._speaks(tokens, a, b) for a, b in gaps)
         taken = gone | {at for one in said for at in range(one.start, one.end)}
         unread = unread or any(self._is_half_read(part, sentence, taken) for part in parts)
         parts = self._meant(parts)
@@ -119,6 +123,45 @@ class CallReader:
             denied,
             unread,
         )
+
+    def _speaks(self, tokens: Words, start: int, end: int) -> bool:
+        """True if a word here speaks for a motion, and is no courtesy: "then back here"."""
+        skills = self._lexicon.skills
+        moving = [one for name, one in self._lexicon.words.items() if skills[name].drives]
+        courteous = self._courtesies.places(tokens)
+        return any(
+            max((one.weights.get(tokens[at], 0.0) for one in moving), default=0.0) >= SPEAKS
+            for at in range(start, end)
+            if at not in courteous and tokens[at] not in self._lexicon.function_words.fillers
+        )
+
+    def whole(self, text: str, skills: Collection[str]) -> Reading | None:
+        """The text as one call of one of these skills, whatever its other words; None if none fits.
+
+        Every name and number is a value of the call.
+        """
+        written = self._lexicon.tokenize(text)
+        tokens = self._lexicon.spelled(written)
+        if not tokens or len(tokens) > MAX_TOKENS:
+            return None
+        names = list(_as_written(find_names(self._lexicon, tokens), tokens, written))
+        numbers = find_numbers(tokens, self._linking)
+        filled = self._filled(tokens) | self._courtesies.places(tokens)
+        sentence = Clauses(self._lexicon, tokens, names, numbers, filled=filled)
+        joints = [
+            at for at in self._joints.starts(tokens) if at not in self._courtesies.places(tokens)
+        ]
+        if any(sentence.strange(at, len(tokens)) for at in joints):
+            return None  # perhaps another order
+        for name in self._lexicon.words.keys() & skills:
+            if part := sentence.whole(self._lexicon.words[name]):
+                courteous = self._courtesies.places(tokens)
+                denied = bool(self._negations.places(tokens) - courteous)
+                strange = part.strange
+                return Reading(
+                    (part,), tokens, courteous, strange, False, False, denied, unread=False
+                )
+        return None
 
     def _is_half_read(self, part: ClauseReading, sentence: Clauses, taken: set[int]) -> bool:
         """True if unknown words in a call may be another order, or a thing that no skill takes.

@@ -51,12 +51,18 @@ class _Taken:
 
 
 def is_left_over(
-    tokens: Words, lexicon: Lexicon, parts: Sequence[ClauseReading] = (), *, denials: bool = False
+    tokens: Words,
+    lexicon: Lexicon,
+    parts: Sequence[ClauseReading] = (),
+    *,
+    denials: bool = False,
+    likely: bool = False,
 ) -> bool:
     """True if words that change an order stand in none of these parts.
 
     Without parts, any number is left over. With `denials`, words that deny count as well; a reading
-    weighs those itself, since it knows what they deny.
+    weighs those itself, since it knows what they deny. The parts are `likely` if more than their
+    words speaks for them: they may then begin with a word of another skill.
     """
     taken = _taken(tokens, lexicon, parts)
     spared = _spared(tokens, lexicon)
@@ -65,7 +71,7 @@ def is_left_over(
         or _is_put_off(tokens, lexicon, spared)
         or (not parts and any(map(is_number, tokens)))
         or (denials and _is_denied(tokens, lexicon))
-        or any(_is_anothers(part, tokens, lexicon) for part in parts)
+        or (not likely and any(_is_anothers(part, tokens, lexicon) for part in parts))
     )
 
 

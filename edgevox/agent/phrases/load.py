@@ -7,7 +7,7 @@ of a package of skills.
 import re
 import tomllib
 from collections.abc import Mapping, Sequence
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
 from typing import Any
 
@@ -20,8 +20,8 @@ from edgevox.agent.phrases.tables import (
     ProgramPhrases,
     Rewriting,
     SmallTalk,
-    lengths,
     number_words,
+    units,
 )
 from edgevox.agent.skills import Example, SkillPhrases
 from edgevox.agent.text.reasons import in_words
@@ -117,6 +117,7 @@ def _answers(data: Mapping[str, Any]) -> AnswerWords:
 def _numbers(data: Mapping[str, Any], hearing: Hearing) -> Numbers:
     rows = data.get("lengths", ())
     any_length = "|".join(pattern for pattern, _ in rows)
+    convert = partial(units, joint=hearing.pair, spaced=hearing.spaced)
     rules = [
         (one.replace("{length}", f"(?:{any_length})"), to) for one, to in data.get("rules", ())
     ]
@@ -124,9 +125,8 @@ def _numbers(data: Mapping[str, Any], hearing: Hearing) -> Numbers:
         decimal_comma=data.get("decimal_comma", False),
         rules=_rewritings(rules),
         words=number_words(data.get("words", {}), data.get("units", "")),
-        lengths=lengths(rows, data["metres"], hearing.pair, spaced=hearing.spaced)
-        if rows
-        else None,
+        lengths=convert(rows, data["metres"]) if rows else None,
+        angles=convert(data["angles"], data["degrees"]) if "angles" in data else None,
         library=data.get("library", ""),
     )
 

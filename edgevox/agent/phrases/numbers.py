@@ -14,6 +14,7 @@ _COMMA_BEFORE_UNIT = re.compile(
     r"|\u30e1|\u092e\u0940|\u0645\u062a\u0631|degrees?|\u00b0|hours?|minutes?|seconds?)(?![a-z]))",
     re.IGNORECASE,
 )
+_POINT = re.compile(r"\(\s*-?\d*\.?\d+(?:\s*,\s*-?\d*\.?\d+){1,2}\s*\)")
 _MINUS = re.compile(r"(?<![\w.])(?:\u2212\s?|\u2013)(?=\.?\d)")
 _BARE_POINT = re.compile(r"(?<![\w.,])(-?)\.(?=\d)")
 _AXIS_POINT = re.compile(r"(?<![^\W\d_])([xyz])\.(?=\d)", re.IGNORECASE)
@@ -37,9 +38,10 @@ _DECIMAL_COMMA = re.compile(r"(?<![\d.,])(\d+),(\d+)(?![\d.,]*\d)")
 def digits(text: str, language: str = "en") -> str:
     """The text with its number words as digits: "minus two and a half" becomes "-2.5".
 
-    Fractions become decimals with a point, all lengths become metres, and an axis is separated from
-    its number ("x2.5", as Whisper writes coordinates). Cached, because several readers ask for the
-    same sentence, and each reload of a language's words asks for the same words.
+    Fractions become decimals with a point, all lengths become metres, all angles degrees, and an
+    axis is separated from its number ("x2.5", as Whisper writes coordinates). Cached, because
+    several readers ask for the same sentence, and each reload of a language's words asks for the
+    same words.
     """
     known = phrasebook(language).numbers
     text = _written_out(text)
@@ -51,7 +53,9 @@ def digits(text: str, language: str = "en") -> str:
     text = comma.sub(r"\1.\2", text)
     for pattern, replacement in known.rules:
         text = pattern.sub(replacement, text)
-    return known.lengths.as_metres(text) if known.lengths else text
+    for units in (known.angles, known.lengths):
+        text = units.converted(text) if units else text
+    return text
 
 
 def is_exact(text: str, language: str = "en") -> bool:
@@ -74,10 +78,17 @@ def _unmarked(run: str) -> str:
     return run.lstrip("".join(one for one in run if unicodedata.category(one)[0] == "M"))
 
 
+def _axes(point: str) -> str:
+    """A point in parentheses with its axes: "(3.2, 0.8)" is "x 3.2 y 0.8"."""
+    numbers = [one.strip() for one in point.strip("()").split(",")]
+    return " ".join(f"{axis} {one}" for axis, one in zip("xyz", numbers, strict=False))
+
+
 def _written_out(text: str) -> str:
     """The one spelling of a number: "\u2212.5" is "-0.5", "1/2" "0.5", "2-metre" "2 metre"."""
     if not any(map(str.isdigit, text)):
         return text
+    text = _POINT.sub(lambda found: _axes(found[0]), text)
     text = _BARE_POINT.sub(r"\g<1>0.", _MINUS.sub("-", text))
     text = _HYPHEN.sub(" ", _AXIS_POINT.sub(r"\1 0.", text))
     return _FRACTION.sub(

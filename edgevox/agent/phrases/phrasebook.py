@@ -254,12 +254,12 @@ class Phrasebook:
         if lengths is None or not self.hearing.spaced:
             return template
         metre = next((one for one, length in lengths.units if length == 1.0), None)
-        usual = self.rules.get("metres", lengths.metres)
+        usual = self.rules.get("metres", lengths.base)
 
         def widened(found: re.Match[str]) -> str:
             said = found[0]
             is_metre = metre is not None and metre.fullmatch(one_form(said))
-            return f"({said}|{lengths.metres}|{usual})" if is_metre else said
+            return f"({said}|{lengths.base}|{usual})" if is_metre else said
 
         return _PLAIN_WORD.sub(widened, template)
 

@@ -46,27 +46,27 @@ def number_words(words: Mapping[str, float], units: str = "") -> NumberWords | N
 
 
 @dataclass(frozen=True, slots=True)
-class Lengths:
-    """The units of length of one language, each a pattern with its length in metres."""
+class Units:
+    """The units of length or of angle of one language, each a pattern with its size."""
 
     units: tuple[tuple[re.Pattern[str], float], ...]
-    """Each unit's spellings and metres."""
+    """Each unit's spellings and its size in the base unit."""
     several: re.Pattern[str]
-    """One length or more in a row: "5 feet and 6 inches"."""
+    """One amount or more in a row: "5 feet and 6 inches"."""
     one: re.Pattern[str]
     """A number and the unit behind it."""
-    metres: str
-    """The word that replaces all these units."""
+    base: str
+    """The word for the base unit, which replaces all these: "metres", "degrees"."""
 
-    def as_metres(self, text: str) -> str:
-        """The text with each length in metres, and lengths in a row as their sum.
+    def converted(self, text: str) -> str:
+        """The text with each amount in the base unit, and amounts in a row as their sum.
 
         Of a sum each unit must be smaller than the one before: "2 metres 50 centimetres".
         """
         return self.several.sub(self._sum, text)
 
     def _sum(self, found: re.Match[str]) -> str:
-        parts = [(float(one[1]), self._metres_of(one[2])) for one in self.one.finditer(found[0])]
+        parts = [(float(one[1]), self._size_of(one[2])) for one in self.one.finditer(found[0])]
         units = [unit for _, unit in parts]
         falling = all(one > other for one, other in itertools.pairwise(units))
         if len(parts) == 1 or not falling or any(number < 0 for number, _ in parts[1:]):
@@ -74,27 +74,27 @@ class Lengths:
         return self._told(sum(number * unit for number, unit in parts))
 
     def _single(self, found: re.Match[str]) -> str:
-        number, unit = found[1], self._metres_of(found[2])
+        number, unit = found[1], self._size_of(found[2])
         return found[0] if unit == 1.0 else self._told(float(number) * unit)
 
-    def _told(self, metres: float) -> str:
-        return f"{metres:.6g} {self.metres}"
+    def _told(self, amount: float) -> str:
+        return f"{amount:.6g} {self.base}"
 
-    def _metres_of(self, unit: str) -> float:
-        return next(metres for pattern, metres in self.units if pattern.fullmatch(unit))
+    def _size_of(self, unit: str) -> float:
+        return next(size for pattern, size in self.units if pattern.fullmatch(unit))
 
 
-def lengths(rows: Sequence[tuple[str, float]], metres: str, joint: str, *, spaced: bool) -> Lengths:
-    """The units of a table; `joint` is the word that may stand between two lengths of a sum."""
-    patterns = [(one_form(pattern), length) for pattern, length in rows]
+def units(rows: Sequence[tuple[str, float]], base: str, joint: str, *, spaced: bool) -> Units:
+    """The units of a table; `joint` is the word that may stand between two amounts of a sum."""
+    patterns = [(one_form(pattern), size) for pattern, size in rows]
     unit = "|".join(pattern for pattern, _ in patterns) or "(?!)"
     end = r"(?!\w)" if spaced else ""
     one = rf"{NUMBER}\s*(?:{unit}){end}"
-    return Lengths(
-        tuple((re.compile(pattern, re.IGNORECASE), length) for pattern, length in patterns),
+    return Units(
+        tuple((re.compile(pattern, re.IGNORECASE), size) for pattern, size in patterns),
         re.compile(rf"{one}(?:\s*(?:{re.escape(joint)}\s*)?{one})*", re.IGNORECASE),
         re.compile(rf"({NUMBER})\s*({unit}){end}", re.IGNORECASE),
-        metres,
+        base,
     )
 
 
@@ -108,7 +108,8 @@ class Numbers:
     decimal_comma: bool = False
     rules: tuple[Rewriting, ...] = ()
     words: NumberWords | None = None
-    lengths: Lengths | None = None
+    lengths: Units | None = None
+    angles: Units | None = None
     library: str = ""
 
 

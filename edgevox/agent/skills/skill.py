@@ -238,6 +238,8 @@ class Skill:
     """Raises `SkillFailed` if it cannot begin now, before it replaces what moves the robot."""
     relative: bool = False
     """True if it moves by an amount and not to a place, so that it can go on further."""
+    little: Mapping[str, float] = field(default_factory=dict)
+    """What "a little" means for its arguments, said with the answer."""
     towards_rad: float = 0.0
     """Direction of its argument `distance`, counter-clockwise from the robot's heading."""
     lasting: bool = False
@@ -331,6 +333,7 @@ def skill(
     phrases: Mapping[str, SkillPhrases] | None = None,
     check: Callable[..., None] | None = None,
     relative: bool = False,
+    little: Mapping[str, float] | None = None,
     towards_rad: float = 0.0,
     lasting: bool = False,
     undoable: bool = False,
@@ -354,6 +357,7 @@ def skill(
             phrases=phrases or {},
             check=check,
             relative=relative,
+            little=little or {},
             towards_rad=towards_rad,
             lasting=lasting,
             undoable=undoable,

@@ -108,16 +108,41 @@ def test_lengths_in_a_row_are_one_only_if_each_unit_is_smaller(language, said, w
     assert digits(said, language) == written
 
 
+@pytest.mark.parametrize(
+    ("language", "said", "written"),
+    [
+        ("en", "turn left 0.5 rad", "turn left 28.6479 degrees"),
+        ("en", "two full turns to the left", "720 degrees to the left"),
+        ("en", "a third of a turn", "120 degrees"),
+        ("en", "pi over two radians", "90 degrees"),
+        ("en", "turn to your three o'clock", "turn right 90 degrees"),
+        ("en", "turn left two times", "turn left 2 times"),
+        ("en", "drive 2 metres turn left", "drive 2 metres turn left"),
+        ("de", "0,5 Radiant nach links", "28.6479 Grad nach links"),
+        ("fr", "2 tours complets", "720 degrés"),
+        ("zh", "左转1弧度", "左转57.2958 度"),
+    ],
+)
+def test_every_angle_becomes_degrees(language, said, written):
+    assert digits(said, language) == written
+
+
+def test_a_point_in_parentheses_gets_its_axes():
+    assert digits("go to (3.2, -0.8)") == "go to x 3.2 y -0.8"
+    assert digits("go to (0.4, 0, 0.3)") == "go to x 0.4 y 0 z 0.3"
+
+
 @pytest.mark.parametrize("language", LANGUAGES)
-def test_each_unit_of_a_language_is_its_length(language):
-    known = phrasebook(language).numbers.lengths
+@pytest.mark.parametrize("kind", ["lengths", "angles"])
+def test_each_unit_of_a_language_is_its_size(language, kind):
+    known = getattr(phrasebook(language).numbers, kind)
     tried = {1.0}
-    for pattern, metres in known.units:
+    for pattern, size in known.units:
         for unit in re.sub(r"\([^)]*\)\??|\[[^]]*\]\??|.\?", "", pattern.pattern).split("|"):
-            if unit and pattern.fullmatch(unit) and metres != 1.0:
-                tried.add(metres)
-                assert known.as_metres(f"3 {unit}") == f"{3 * metres:.6g} {known.metres}"
-    assert tried == {metres for _, metres in known.units}
+            if unit and pattern.fullmatch(unit) and size != 1.0:
+                tried.add(size)
+                assert known.converted(f"3 {unit}") == f"{3 * size:.6g} {known.base}"
+    assert tried == {1.0, *(size for _, size in known.units)}
 
 
 def test_a_language_without_number_words_is_left_alone():

@@ -1,0 +1,113 @@
+"""Sentences taken apart: orders one after another, and remarks beside them.
+
+"Back up a metre, you're blocking the door" is an order and a remark; "turn left 60 degrees, drive
+2 metres" two orders that no word joins.
+"""
+
+import re
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+
+from edgevox.agent.nlu.lexicon import plain, words_of
+from edgevox.agent.skills import Call
+
+GUESSES: Mapping[str, tuple[str, ...]] = {
+    "place": ("navigate_to",),
+    "point": ("navigate_xy",),
+    "forward": ("drive_forward", "walk_forward"),
+    "backward": ("drive_backward", "walk_backward"),
+    "left": ("turn_left",),
+    "right": ("turn_right",),
+    "around": ("turn_around",),
+    "stand": ("stand",),
+    "grasp": ("grasp",),
+    "put": ("place",),
+    "release": ("release",),
+    "home": ("goto_home",),
+    "hand": ("move_to",),
+}
+"""The skills that do what the encoder says is asked for, by its kinds."""
+
+REMARK = "talk"
+"""Kind of a clause that asks for nothing."""
+
+OTHER = "other"
+"""Kind of an order that is none of these."""
+
+_MARKS = re.compile(
+    r"[,;:.!?\u2026\u3001\u3002\u060c\u061b\u061f\u0964]+(?=\s|$)|[\u3001\u3002]|\s[-\u2013\u2014]+\s"
+)
+_MOST_CLAUSES = 6
+
+
+@dataclass(frozen=True, slots=True)
+class Clause:
+    """The calls of one clause."""
+
+    calls: tuple[Call, ...]
+    """The calls, in their order."""
+    sure: bool
+    """True if templates read them."""
+    guessed: bool = False
+    """True if the words hardly say them."""
+
+
+def clauses_of(text: str, code: str, more: Sequence[str] = ()) -> Sequence[str]:
+    """The clauses of a text: it is parted at marks, before words that open a reason, and `more`."""
+    opening = (*words_of(code).reasons, *more)
+    pieces = [one.strip() for one in _MARKS.split(text)]
+    if opening:
+        either = "|".join(re.escape(one) for one in sorted(opening, key=len)[::-1])
+        before = re.compile(rf"\s(?=(?:{either})\b)", re.IGNORECASE)
+        pieces = [part.strip() for one in pieces for part in before.split(one)]
+    return [one for one in pieces if plain(one).strip()]
+
+
+def _unjoined(clause: str, joints: Sequence[str], code: str) -> str:
+    """The clause without the word that joins it to the one before: "then forward", "so go"."""
+    for one in sorted((*joints, *words_of(code).results), key=len)[::-1]:
+        if clause.casefold().startswith(f"{one} "):
+            return clause[len(one) :].strip()
+    return clause
+
+
+def read_apart(
+    text: str,
+    code: str,
+    joints: Sequence[str],
+    read: Callable[[str], Clause | None],
+    is_remark: Callable[[str], bool],
+) -> Clause | None:
+    """The calls of a text's clauses, one after another; None if one is neither order nor remark.
+
+    Of several none may be a guess. They are sure if templates read all of them, no remark is left
+    out, and each but the last says its amount or place: "forward, back one metre" may take the
+    first one back.
+    """
+    results = words_of(code).results
+    for more in ((), results, (*results, *joints)):
+        clauses = [_unjoined(one, joints, code) for one in clauses_of(text, code, more)]
+        if found := _read(clauses, read, is_remark):
+            return found
+    return None
+
+
+def _read(
+    clauses: Sequence[str],
+    read: Callable[[str], Clause | None],
+    is_remark: Callable[[str], bool],
+) -> Clause | None:
+    if not 0 < len(clauses) <= _MOST_CLAUSES:
+        return None
+    found: list[Clause] = []
+    for one in clauses:
+        if clause := read(one):
+            found.append(clause)
+        elif not is_remark(one):
+            return None
+    calls = tuple(call for one in found for call in one.calls)
+    if not calls or (len(found) > 1 and any(one.guessed for one in found)):
+        return None
+    told = all(call.arguments for call in calls[:-1])
+    sure = told and len(found) == len(clauses) and all(one.sure for one in found)
+    return Clause(calls, sure)

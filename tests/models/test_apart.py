@@ -1,0 +1,145 @@
+"""Orders among remarks, orders that no word joins, and what the encoder guesses is asked for."""
+
+from functools import lru_cache
+
+import pytest
+from corpus_robots import skills_of_robots
+
+from edgevox.agent.agents import Agent
+from edgevox.agent.nlu.decider import Decider
+from edgevox.agent.nlu.interpreter import Interpreter
+from edgevox.agent.skills import Call
+from edgevox.agent.turn import Turn
+from edgevox.apps.agent.models import open_decider
+from edgevox.core.bus import Bus
+from edgevox.core.clock import SystemClock
+
+
+@lru_cache
+def interpreter(robot: str, language: str = "en") -> Interpreter:
+    decider: Decider | None = open_decider()
+    assert decider
+    agent = Agent("robot", "", skills_of_robots()[f"robot-{robot}"])
+    one = Interpreter([agent], Bus(), SystemClock(), decider=decider)
+    one.set_language(language)
+    return one
+
+
+def understood(robot: str, says: str, language: str = "en") -> tuple[list[Call], bool, str]:
+    """The calls, whether they are done without a question, and what is said instead."""
+    turn = Turn(1, Bus(), SystemClock(), lambda: None)
+    meaning = interpreter(robot, language).understand(says, turn)
+    calls = list(meaning.every_call) if meaning else []
+    return calls, bool(meaning and meaning.sure), turn.text
+
+
+FORWARD, BACK = "walk_forward", "walk_backward"
+
+
+@pytest.mark.parametrize(
+    ("robot", "says", "call"),
+    [
+        ("humanoid", "Back up 40 cm, you're blocking the trolley.", Call(BACK, {"distance": 0.4})),
+        (
+            "humanoid",
+            "Walk forward half a metre, don't be shy, I don't bite.",
+            Call(FORWARD, {"distance": 0.5}),
+        ),
+        ("apartment", "the guests are waiting, so off to the office with you",
+         Call("navigate_to", {"room": "office"})),
+        ("apartment", "clear out to the office", Call("navigate_to", {"room": "office"})),
+        ("panda", "pinch the green cube between your fingers",
+         Call("grasp", {"object": "green_cube"})),
+    ],
+)  # fmt: skip
+def test_an_order_beside_a_remark_or_in_unknown_words_is_asked_about(robot, says, call):
+    calls, sure, _ = understood(robot, says)
+    assert (calls, sure) == ([call], False)
+
+
+def test_orders_that_no_word_joins_are_done_if_each_says_how_far():
+    calls, sure, _ = understood("humanoid", "turn left 60 deg, walk 0.8 m, turn right 60 deg")
+    assert sure
+    assert [one.skill for one in calls] == ["turn_left", FORWARD, "turn_right"]
+    assert [next(iter(one.arguments.values())) for one in calls] == [60.0, 0.8, 60.0]
+
+
+def test_the_first_of_two_orders_may_be_taken_back_by_the_second():
+    assert not understood("humanoid", "forward, back one metre")[1]
+
+
+@pytest.mark.parametrize(
+    ("robot", "says"),
+    [
+        ("apartment", "go to the nearer one"),
+        ("apartment", "go to the kitchen and inspect the sink"),
+        ("apartment", "go to the kitchen and then in the bathroom"),
+        ("apartment", "take the book to the bedroom"),
+        ("apartment", "the light in the kitchen is on"),
+        ("apartment", "if the door is open, go to the kitchen"),
+        ("apartment", "Anna said, go to the kitchen"),
+        ("apartment", "a fifth of a metre forward"),
+        ("humanoid", "follow me carefully"),
+        ("humanoid", "do a backflip"),
+        ("humanoid", "the barn door wants shutting, see to it"),
+        ("panda", "throw it at my brother"),
+    ],
+)
+def test_what_is_no_order_for_it_is_neither_done_nor_asked_about(robot, says):
+    calls, _, said = understood(robot, says)
+    assert not any(skills_of_robots()[f"robot-{robot}"][one.skill].drives for one in calls), calls
+    assert said
+
+
+@pytest.mark.parametrize(
+    ("language", "says"),
+    [
+        ("de", "fahr ein Drittel Meter vor"), ("fr", "avance d'un tiers de mètre"),
+        ("es", "avanza un tercio de metro"), ("it", "vai avanti di un terzo di metro"),
+        ("pt", "avance um terço de metro"), ("nl", "rijd een derde meter vooruit"),
+        ("pl", "jedź do przodu jedną trzecią metra"), ("ru", "проедь треть метра вперёд"),
+        ("tr", "üçte bir metre ileri git"), ("ar", "تقدم ثلث متر"),
+        ("hi", "एक तिहाई मीटर आगे बढ़ो"), ("zh", "前进三分之一米"), ("ja", "三分の一メートル進んで"),
+        ("vi", "đi tới một phần ba mét"), ("id", "maju sepertiga meter"),
+    ],
+)  # fmt: skip
+def test_a_part_of_a_metre_that_is_not_read_moves_nothing(language, says):
+    assert understood("apartment", says, language)[0] == []
+
+
+@pytest.mark.parametrize(
+    ("language", "says", "call"),
+    [
+        ("en", "turn left a bit", Call("turn_left", {"degrees": 20.0})),
+        ("en", "turn left", Call("turn_left", {})),
+        ("en", "turn left a bit, 30 degrees", Call("turn_left", {"degrees": 30.0})),
+        ("de", "geh ein Stück vor", Call(FORWARD, {"distance": 0.3})),
+        ("fr", "avance un peu", Call(FORWARD, {"distance": 0.3})),
+        ("ja", "ちょっと前に進んで", Call(FORWARD, {"distance": 0.3})),
+        ("zh", "往前走一点", Call(FORWARD, {"distance": 0.3})),
+    ],
+)
+def test_a_bit_is_an_amount_of_its_own(language, says, call):
+    assert understood("humanoid", says, language)[0] == [call]
+
+
+def test_in_a_bit_is_not_a_bit():
+    assert understood("humanoid", "in a bit turn left")[0] == []
+
+
+@pytest.mark.parametrize(
+    ("says", "begins"),
+    [
+        ("hiii robot!!", "Hello"),
+        ("ok bye bye i have to go eat", "Goodbye"),
+        ("what are you exactly", "I am a robot"),
+        ("My aunt was here. She passed away last spring.", "I am sorry to hear"),
+        ("dance for me", "I know no way"),
+        ("what sound does a cow make?", "I do not know that"),
+        ("Good afternoon! Is the owner in?", "I do not know that"),
+    ],
+)
+def test_what_asks_for_nothing_that_it_does_gets_a_short_true_answer(says, begins):
+    calls, _, said = understood("apartment", says)
+    assert not calls
+    assert said.startswith(begins)
