@@ -17,7 +17,8 @@ from edgevox.agent.llm import weights
 from edgevox.agent.llm.factory import load_model
 from edgevox.agent.llm.grammar import grammar
 from edgevox.agent.llm.language_model import CONTEXT_TOKENS, ChatMessage, LanguageModel, ModelFailed
-from edgevox.agent.nlu.interpreter import ANSWER_TOKENS, Interpreter
+from edgevox.agent.nlu.interpreter import Interpreter
+from edgevox.agent.nlu.model_answer import ANSWER_TOKENS
 from edgevox.agent.skills import NO_SKILLS
 from edgevox.agent.turn import Turn
 from edgevox.apps.robots import build_agents

@@ -11,8 +11,8 @@ from corpus_sentences import Sentence, held_out, read_corpus, tuning
 
 from edgevox.agent.nlu.decider import Decider, Decision, Readings
 from edgevox.agent.nlu.encoder import ENCODER, Encoder, read_head
-from edgevox.agent.nlu.interpreter import CHATS
 from edgevox.agent.nlu.meaning import SURE_FROM
+from edgevox.agent.nlu.small_talk import CHATS
 from edgevox.agent.nlu.templates import Recogniser, Understood
 from edgevox.agent.phrases.load import phrasebook
 from edgevox.agent.stop.words import find_stop_word

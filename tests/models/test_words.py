@@ -6,8 +6,9 @@ import pytest
 
 from edgevox.agent.llm.language_model import LanguageModel
 from edgevox.agent.nlu.decider import Decider
-from edgevox.agent.nlu.interpreter import ANSWER_TOKENS, Interpreter
+from edgevox.agent.nlu.interpreter import Interpreter
 from edgevox.agent.nlu.meaning import Meaning
+from edgevox.agent.nlu.model_answer import ANSWER_TOKENS
 from edgevox.agent.turn import Turn
 from edgevox.apps.robots import build_agents
 from edgevox.core.bus import Bus

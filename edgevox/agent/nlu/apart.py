@@ -8,6 +8,7 @@ import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
+from edgevox.agent.nlu.decider import Decider, Readings
 from edgevox.agent.nlu.lexicon import plain, words_of
 from edgevox.agent.skills import Call
 
@@ -34,6 +35,12 @@ REMARK = "talk"
 OTHER = "other"
 """Kind of an order that is none of these."""
 
+LIKELY_ASKED = 0.6
+"""Least likelihood of what a clause asks for."""
+
+LIKELY_TALK, PLAINLY_TALK = 0.5, 0.85
+"""Least likelihood of a remark, and of one that denies something: "I don't bite"."""
+
 _MARKS = re.compile(
     r"[,;:.!?\u2026\u3001\u3002\u060c\u061b\u061f\u0964]+(?=\s|$)|[\u3001\u3002]|\s[-\u2013\u2014]+\s"
 )
@@ -50,6 +57,55 @@ class Clause:
     """True if templates read them."""
     guessed: bool = False
     """True if the words hardly say them."""
+
+
+class ClauseReader:
+    """Reads single clauses.
+
+    Args:
+        plain: Returns the calls of a plain command that moves the robot; None for no command, and
+            nothing for any other one.
+        cannot: Returns what the robot must answer to an act that no skill does; empty for none.
+    """
+
+    def __init__(
+        self,
+        decider: Decider,
+        readings: Readings,
+        plain: Callable[[str], Sequence[Call] | None],
+        cannot: Callable[[str], str],
+    ) -> None:
+        self._decider = decider
+        self._readings = readings
+        self._plain = plain
+        self._cannot = cannot
+
+    def read(self, clause: str) -> Clause | None:
+        """Its calls: by templates, by a sure reading, by what is likely asked, or by a reading."""
+        calls = self._plain(clause)
+        if calls is not None:
+            return Clause(tuple(calls), sure=True) if calls else None
+        if self._cannot(clause) or self._readings.unknown_place(clause):
+            return None
+        decision = self._decider.decide(self._readings.of(clause), clause)
+        if decision and decision.sure:
+            return Clause(decision.calls, sure=False)
+        kind, likely = self._decider.asked(clause)
+        skills = GUESSES.get(kind, ()) if likely >= LIKELY_ASKED else ()
+        if call := self._readings.whole(clause, skills):
+            return Clause((call,), sure=False, guessed=True)
+        return Clause(decision.calls, sure=False, guessed=True) if decision else None
+
+    def is_remark(self, clause: str) -> bool:
+        """True if it asks for nothing and changes nothing of what is asked beside it."""
+        kind, likely = self._decider.asked(clause)
+        talks = kind == REMARK and likely >= LIKELY_TALK
+        may_deny = likely >= PLAINLY_TALK
+        return (
+            (talks or self._readings.is_filler(clause))
+            and not self._cannot(clause)
+            and self._readings.is_aside(clause, may_deny=may_deny)
+        )
 
 
 def clauses_of(text: str, code: str, more: Sequence[str] = ()) -> Sequence[str]:
@@ -75,8 +131,7 @@ def read_apart(
     text: str,
     code: str,
     joints: Sequence[str],
-    read: Callable[[str], Clause | None],
-    is_remark: Callable[[str], bool],
+    reader: ClauseReader,
 ) -> Clause | None:
     """The calls of a text's clauses, one after another; None if one is neither order nor remark.
 
@@ -87,23 +142,19 @@ def read_apart(
     results = words_of(code).results
     for more in ((), results, (*results, *joints)):
         clauses = [_unjoined(one, joints, code) for one in clauses_of(text, code, more)]
-        if found := _read(clauses, read, is_remark):
+        if found := _read(clauses, reader):
             return found
     return None
 
 
-def _read(
-    clauses: Sequence[str],
-    read: Callable[[str], Clause | None],
-    is_remark: Callable[[str], bool],
-) -> Clause | None:
+def _read(clauses: Sequence[str], reader: ClauseReader) -> Clause | None:
     if not 0 < len(clauses) <= _MOST_CLAUSES:
         return None
     found: list[Clause] = []
     for one in clauses:
-        if clause := read(one):
+        if clause := reader.read(one):
             found.append(clause)
-        elif not is_remark(one):
+        elif not reader.is_remark(one):
             return None
     calls = tuple(call for one in found for call in one.calls)
     if not calls or (len(found) > 1 and any(one.guessed for one in found)):

@@ -5,41 +5,32 @@ answers in words, hands over to another agent, and fills in arguments that take 
 sentence is an order; then the robot asks first.
 """
 
-import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 
 from edgevox.agent.agents import Agent, by_name
 from edgevox.agent.known import StateCondition
-from edgevox.agent.llm.calls import HANDOFF, OutputParser, Protocol
+from edgevox.agent.llm.calls import HANDOFF, Protocol
 from edgevox.agent.llm.language_model import (
     ChatMessage,
     LanguageModel,
     ModelBusy,
     ModelFailed,
-    Piece,
 )
 from edgevox.agent.llm.prompt import History, size_tokens
 from edgevox.agent.nlu.abilities import abilities, cannot_do, not_understood
-from edgevox.agent.nlu.apart import (
-    GUESSES,
-    OTHER,
-    REMARK,
-    Clause,
-    clauses_of,
-    read_apart,
-)
-from edgevox.agent.nlu.decider import QUESTION_MARKS, Decider, Decision, Readings
+from edgevox.agent.nlu.apart import ClauseReader, read_apart
+from edgevox.agent.nlu.decider import Decider, Decision, Readings
 from edgevox.agent.nlu.disfluencies import fluent
 from edgevox.agent.nlu.hearing.hypotheses import breaks_off, is_contested, is_same, likeliest
 from edgevox.agent.nlu.hearing.near import NearCommands
 from edgevox.agent.nlu.hearing.sounds import Phonemes
 from edgevox.agent.nlu.lexicon import words_of
 from edgevox.agent.nlu.meaning import ASK_FROM, HEARD_FROM, Meaning, Program
+from edgevox.agent.nlu.model_answer import ANSWER_TOKENS, LEAST_LIKELY, CheckedAnswer, say_by
 from edgevox.agent.nlu.order_reader import NO_CONDITIONS, ProgramReader, Read, Unclear
 from edgevox.agent.nlu.questions import (
-    CheckedAnswer,
     WorldWords,
     asks,
     asks_whether,
@@ -48,6 +39,7 @@ from edgevox.agent.nlu.questions import (
     question_of,
 )
 from edgevox.agent.nlu.remainder import may_ask_whether
+from edgevox.agent.nlu.small_talk import reply_to, small_talk_in
 from edgevox.agent.nlu.templates import Recogniser, RefusedCommand, Understood, refused
 from edgevox.agent.phrases.load import ENGLISH
 from edgevox.agent.phrases.own_names import phrasebook_of
@@ -69,32 +61,10 @@ MAX_HANDOFFS = 3
 BACK = "go_back"
 """Name of the dialogue skill that leads back to where the last motion began."""
 
-LEAST_LIKELY = 0.15
-"""A model is not sure of an answer with a less likely word. By `benchmarks.agent.everyday`, on the
-half for tuning."""
-
-_STRETCHED = re.compile(r"(\w)\1{2,}")
-"""A letter that is typed more often than twice: "hiii"."""
-
 MOST_STRANGE = 0.17
 """Largest share of unknown words in a question that is guessed."""
 
-CHATS, CHATS_APART = 0.4, 0.6
-"""Least likelihood of small talk, and of that in one of several clauses."""
-
-LIKELY_ASKED = 0.6
-"""Least likelihood of what a clause asks for."""
-
-PLAINLY_OTHER = 0.6
-"""Least likelihood of an order that no skill does."""
-
-LIKELY_TALK, PLAINLY_TALK = 0.5, 0.85
-"""Least likelihood of a remark, and of one that denies something: "I don't bite"."""
-
 _SPOKEN = (Outcome.ANSWERED, Outcome.INTERRUPTED)
-
-ANSWER_TOKENS = 160
-"""Number of tokens that a model may generate for an answer or a sequence of calls."""
 
 
 class Interpreter:
@@ -224,52 +194,26 @@ class Interpreter:
         return meaning
 
     def _apart(self, text: str) -> Meaning | None:
-        """The motions that the clauses of a text order, each read alone or guessed by the encoder.
-
-        What a clause leaves to guess is asked about, and so is what stands beside a remark.
-        """
-        decider = self._decider
-        if decider is None:
+        """The motions that the clauses of a text order; what is guessed of them is asked about."""
+        if self._decider is None:
             return None
-        found = read_apart(
-            text,
-            self._code,
-            self.phrases.hearing.joints,
-            lambda one: self._clause(one, decider),
-            partial(self._remarks, decider),
+        agent = self.active
+        clauses = ClauseReader(
+            self._decider,
+            self._readings[agent.name],
+            self._drives_by,
+            lambda one: self._cannot(one)[0],
         )
-        meaning = found and Meaning(
-            self.active, found.calls, "reading", 1.0 if found.sure else ASK_FROM
-        )
+        found = read_apart(text, self._code, self.phrases.hearing.joints, clauses)
+        meaning = found and Meaning(agent, found.calls, "reading", 1.0 if found.sure else ASK_FROM)
         return meaning if meaning and _drives(meaning) else None
 
-    def _clause(self, text: str, decider: Decider) -> Clause | None:
-        """The calls of one clause: by templates, by what is likely asked, or by its reading."""
+    def _drives_by(self, text: str) -> Sequence[Call] | None:
+        """The calls of a plain command that drives; () if it is refused or drives nothing."""
         plain = self.plain(text)
-        if isinstance(plain, Meaning):
-            return Clause(plain.calls, sure=True) if _drives(plain) else None
-        if plain is not None:
-            return None
-        readings = self._readings[self.active.name]
-        if self._cannot(text)[0] or readings.unknown_place(text):
-            return None
-        kind, likely = decider.asked(text)
-        decision = decider.decide(readings.of(text), text)
-        if decision and decision.sure:
-            return Clause(decision.calls, sure=False)
-        likely_one = GUESSES.get(kind, ()) if likely >= LIKELY_ASKED else ()
-        if call := readings.whole(text, likely_one):
-            return Clause((call,), sure=False, guessed=True)
-        return Clause(decision.calls, sure=False, guessed=True) if decision else None
-
-    def _remarks(self, decider: Decider, text: str) -> bool:
-        """True if a clause asks for nothing and changes nothing of what is asked beside it."""
-        readings = self._readings[self.active.name]
-        kind, likely = decider.asked(text)
-        talks = kind == REMARK and likely >= LIKELY_TALK
-        return (talks or readings.is_filler(text)) and (
-            not self._cannot(text)[0] and readings.is_aside(text, may_deny=likely >= PLAINLY_TALK)
-        )
+        if isinstance(plain, Meaning) and _drives(plain):
+            return plain.calls
+        return None if plain is None else ()
 
     def _answer(self, text: str, said: str, turn: Turn) -> Meaning | None:
         """Answer words that are no order: by what the robot knows, else by the model.
@@ -400,27 +344,11 @@ class Interpreter:
         return self._model is not None and self._decider.is_general(text)
 
     def _small_talk(self, text: str) -> str:
-        """The answer to small talk that names nothing of the robot's world; else empty.
-
-        Of several clauses, all of which are talk, the likeliest is answered; none if one asks for
-        something else.
-        """
-        decider = self._decider
-        if decider is None or self._world().named_in(text):
+        """The answer to small talk that names nothing of the robot's world; else empty."""
+        if self._decider is None or self._world().named_in(text):
             return ""
-        text = _STRETCHED.sub(r"\1", text)
-        clauses = clauses_of(text, self._code)
-        kinds = [decider.small_talk(one) for one in clauses]
-        if len(clauses) > 1 and any(
-            likely < CHATS and asks(one, self._code)
-            for one, (_, likely) in zip(_with_marks(clauses, text), kinds, strict=True)
-        ):
-            return ""
-        kind, likely = decider.small_talk(text)
-        if likely < CHATS and {decider.asked(one)[0] for one in clauses} == {REMARK}:
-            kind, likely = max(kinds, key=lambda one: one[1])
-            likely -= CHATS_APART - CHATS
-        return self.phrases.say(f"talk_{kind}") if likely >= CHATS else ""
+        kind = small_talk_in(text, self._code, self._decider)
+        return self.phrases.say(f"talk_{kind}") if kind else ""
 
     def _asked(self, text: str) -> Meaning | None:
         """The question to the robot that the words most likely ask, though no template fits."""
@@ -615,18 +543,14 @@ class Interpreter:
 
     def _say_not_understood(self, text: str, turn: Turn) -> None:
         """Say that the robot does not do that, has no answer, or did not understand."""
-        kind, likely = self._decider.asked(text) if self._decider else ("", 0.0)
-        plainly = kind == OTHER and likely >= PLAINLY_OTHER and not self._world().named_in(text)
-        if plainly and not asks(text.rstrip(QUESTION_MARKS), self._code):
-            _, can = not_understood(self.phrases, self._every_skill())
-            turn.say(self.phrases.say("no_ability"), Outcome.REFUSED, detail=can)
-        elif asks(text, self._code):
-            turn.say(self.phrases.say("not_known"), Outcome.NOT_UNDERSTOOD)
-        elif kind == REMARK and likely >= PLAINLY_TALK:
-            turn.say(self.phrases.say("no_answer"), Outcome.NOT_UNDERSTOOD)
-        else:
-            told, detail = not_understood(self.phrases, self._every_skill())
-            turn.say(told, Outcome.NOT_UNDERSTOOD, detail=detail)
+        told, can = not_understood(self.phrases, self._every_skill())
+        match reply_to(text, self._code, self._decider):
+            case "no_ability" if not self._world().named_in(text):
+                turn.say(self.phrases.say("no_ability"), Outcome.REFUSED, detail=can)
+            case "not_known" | "no_answer" as reply:
+                turn.say(self.phrases.say(reply), Outcome.NOT_UNDERSTOOD)
+            case _:
+                turn.say(told, Outcome.NOT_UNDERSTOOD, detail=can)
 
     def _generate(
         self, model: LanguageModel, protocol: Protocol, text: str, turn: Turn, *, ordered: bool
@@ -634,21 +558,15 @@ class Interpreter:
         """The calls that the model makes; what it says instead is said if it claims nothing."""
         chat = self.chat(protocol.prepare(text), acts=True)
         grammar = protocol.grammar_of(ordered=ordered)
-        calls = self._stream(model, chat, grammar, turn, CheckedAnswer(self._claims(text)))
+        calls = self._say_by(model, chat, grammar, turn, CheckedAnswer(self._claims(text)))
         return protocol.allowed(calls, text, ordered=ordered)
 
     def _talk(self, model: LanguageModel, protocol: Protocol, text: str, turn: Turn) -> None:
         """Have the model answer a general question."""
         checked = CheckedAnswer(self._claims(text), LEAST_LIKELY)
-        self._stream(model, self.chat(text), protocol.words_grammar, turn, checked)
+        self._say_by(model, self.chat(text), protocol.words_grammar, turn, checked)
 
-    def _claims(self, text: str) -> Callable[[str], bool]:
-        """Tells which sentences of an answer to these words claim what no model knows."""
-        world = self._world()
-        about = asks(text, self._code) and is_about_hearer(text, self._code)
-        return lambda said: world.claims_for_itself(said) or (about and world.claimed_in(said))
-
-    def _stream(
+    def _say_by(
         self,
         model: LanguageModel,
         chat: Sequence[ChatMessage],
@@ -657,16 +575,9 @@ class Interpreter:
         checked: CheckedAnswer,
     ) -> Sequence[Call]:
         """Say what passes of what the model writes, and return its calls."""
-        parser = OutputParser()
         started_s = self._clock.now()
         try:
-            for piece in model.generate(
-                chat, grammar=grammar, max_tokens=ANSWER_TOKENS, token=turn.token
-            ):
-                likely = piece.likely if isinstance(piece, Piece) else 1.0
-                turn.stream("")
-                for told in checked.feed(parser.feed(piece), likely):
-                    turn.stream(told, tokens=0)
+            return say_by(model, chat, grammar, turn, checked)
         except ModelFailed as error:
             log.error("model_failed", reason=str(error))  # noqa: TRY400 - its message says it all
             what = "model_busy" if isinstance(error, ModelBusy) else "model_failed"
@@ -674,10 +585,12 @@ class Interpreter:
             return ()
         finally:
             turn.thought(self._clock.now() - started_s)
-        for told in checked.finish():
-            turn.stream(told, tokens=0)
-        turn.flush()
-        return () if turn.token.cancelled else parser.finish()
+
+    def _claims(self, text: str) -> Callable[[str], bool]:
+        """Tells which sentences of an answer to these words claim what no model knows."""
+        world = self._world()
+        about = asks(text, self._code) and is_about_hearer(text, self._code)
+        return lambda said: world.claims_for_itself(said) or (about and world.claimed_in(said))
 
     def _protocol(self) -> Protocol:
         """The protocol of the active agent, with the present words of its arguments."""
@@ -725,15 +638,6 @@ def _acts(meaning: Meaning) -> bool:
 def _takes_any_words(meaning: Meaning) -> bool:
     skills = [meaning.agent.every_skill[call.skill] for call in meaning.calls]
     return not _acts(meaning) and any(one.new_names for one in skills)
-
-
-def _with_marks(clauses: Sequence[str], text: str) -> Sequence[str]:
-    """The clauses, each with the mark that ends it in the text."""
-    at, found = 0, []
-    for one in clauses:
-        at = text.index(one, at) + len(one)
-        found.append(one + text[at : at + 1].strip())
-    return found
 
 
 def _goes_back_from_there(meaning: Meaning) -> bool:

@@ -9,7 +9,8 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from functools import cache, cached_property
 
 from edgevox.agent.nlu.clauses import Name, find_names
-from edgevox.agent.nlu.decider import QUESTION_MARKS, Judged
+from edgevox.agent.nlu.decider import Judged
+from edgevox.agent.nlu.evidence import QUESTION_MARKS
 from edgevox.agent.nlu.lexicon import TOKEN, Lexicon, Words, is_mark, plain, words_of
 from edgevox.agent.phrases.load import ENGLISH, phrasebook
 from edgevox.agent.phrases.numbers import digits
@@ -271,40 +272,3 @@ PRODUCT = "EdgeVox"
 _NUMBER = re.compile(NUMBER)
 _IT = "it"
 """Pronoun for the thing spoken of last; it names nothing."""
-_SENTENCE_END = re.compile(r"(?<=[.!?\u061f\u0964])\s+|(?<=[\u3002\uff01\uff1f])")
-
-
-class CheckedAnswer:
-    """Lets the sentences of a model's answer pass that make no claim and of which it is sure.
-
-    It is not if a piece is less likely than `least_likely`.
-    """
-
-    def __init__(self, claims: Callable[[str], bool], least_likely: float = 0.0) -> None:
-        self._claims = claims
-        self._least_likely = least_likely
-        self._sure = True
-        self._pieces: list[str] = []
-        self.dropped = False
-        """True if a sentence was held back; what follows it is held back as well."""
-
-    def feed(self, piece: str, likely: float = 1.0) -> list[str]:
-        """The pieces of the sentences that ended in this one and may be said."""
-        self._sure = self._sure and (not piece or likely >= self._least_likely)
-        self._pieces.append(piece)
-        *ended, rest = _SENTENCE_END.split("".join(self._pieces))
-        return self._passed(ended, rest) if ended else []
-
-    def finish(self) -> list[str]:
-        """The pieces of the last sentence, if it may be said."""
-        return self._passed(["".join(self._pieces)], "") if self._pieces else []
-
-    def _passed(self, sentences: Sequence[str], rest: str) -> list[str]:
-        pieces, self._pieces = self._pieces, [rest]
-        told: list[str] = []
-        for one in sentences:
-            self.dropped = self.dropped or not self._sure or (bool(one) and self._claims(one))
-            if self.dropped:
-                return told
-            told.append(f"{one} ")
-        return [*pieces[:-1], pieces[-1].removesuffix(rest)]

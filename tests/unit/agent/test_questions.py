@@ -11,8 +11,8 @@ from edgevox.agent.llm.calls import Protocol
 from edgevox.agent.llm.grammar import SAY
 from edgevox.agent.llm.language_model import Piece
 from edgevox.agent.nlu.decider import Readings
+from edgevox.agent.nlu.model_answer import CheckedAnswer
 from edgevox.agent.nlu.questions import (
-    CheckedAnswer,
     WorldWords,
     asks,
     asks_whether,

@@ -1,0 +1,63 @@
+"""Small talk, and the short answer to what nothing else answers."""
+
+import re
+from collections.abc import Iterator, Sequence
+
+from edgevox.agent.nlu.apart import OTHER, PLAINLY_TALK, REMARK, clauses_of
+from edgevox.agent.nlu.decider import Decider
+from edgevox.agent.nlu.evidence import QUESTION_MARKS
+from edgevox.agent.nlu.questions import asks
+
+CHATS, CHATS_APART = 0.4, 0.6
+"""Least likelihood of small talk, and of that in one of several clauses."""
+
+PLAINLY_OTHER = 0.6
+"""Least likelihood of an order that no skill does."""
+
+_STRETCHED = re.compile(r"(\w)\1{2,}")
+"""A letter that is typed more often than twice: "hiii"."""
+
+
+def small_talk_in(text: str, code: str, decider: Decider) -> str:
+    """The kind of small talk that a text is: see `say.talk_*` of a language; empty for none.
+
+    Of several clauses, all of which are talk, the likeliest counts; none if one of them asks for
+    something else.
+    """
+    text = _STRETCHED.sub(r"\1", text)
+    clauses = clauses_of(text, code)
+    kinds = [decider.small_talk(one) for one in clauses]
+    if len(clauses) > 1 and any(
+        likely < CHATS and asks(one, code)
+        for one, (_, likely) in zip(_with_marks(clauses, text), kinds, strict=True)
+    ):
+        return ""
+    kind, likely = decider.small_talk(text)
+    if likely >= CHATS:
+        return kind
+    if {decider.asked(one)[0] for one in clauses} != {REMARK}:
+        return ""
+    kind, likely = max(kinds, key=lambda one: one[1])
+    return kind if likely >= CHATS_APART else ""
+
+
+def reply_to(text: str, code: str, decider: Decider | None) -> str:
+    """The key of the sentence that answers a text which nothing else answers; empty for none.
+
+    It is an order that no skill does, a question, or only a remark.
+    """
+    kind, likely = decider.asked(text) if decider else ("", 0.0)
+    orders = kind == OTHER and likely >= PLAINLY_OTHER
+    if orders and not asks(text.rstrip(QUESTION_MARKS), code):
+        return "no_ability"
+    if asks(text, code):
+        return "not_known"
+    return "no_answer" if kind == REMARK and likely >= PLAINLY_TALK else ""
+
+
+def _with_marks(clauses: Sequence[str], text: str) -> Iterator[str]:
+    """The clauses, each with the mark that ends it in the text."""
+    at = 0
+    for one in clauses:
+        at = text.index(one, at) + len(one)
+        yield one + text[at : at + 1].strip()
