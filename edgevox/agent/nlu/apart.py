@@ -35,11 +35,11 @@ REMARK = "talk"
 OTHER = "other"
 """Kind of an order that is none of these."""
 
-LIKELY_ASKED = 0.6
-"""Least likelihood of what a clause asks for."""
+LIKELY_ASKED, LIKELY_ALONE = 0.6, 0.8
+"""Least likelihood of what a clause asks for, and of that without an amount or a place."""
 
 LIKELY_TALK, PLAINLY_TALK = 0.5, 0.85
-"""Least likelihood of a remark, and of one that denies something: "I don't bite"."""
+"""Least likelihood of a remark beside an order, and of one alone."""
 
 _MARKS = re.compile(
     r"[,;:.!?\u2026\u3001\u3002\u060c\u061b\u061f\u0964]+(?=\s|$)|[\u3001\u3002]|\s[-\u2013\u2014]+\s"
@@ -57,6 +57,12 @@ class Clause:
     """True if templates read them."""
     guessed: bool = False
     """True if the words hardly say them."""
+
+
+def asks_for_motion(text: str, decider: Decider) -> bool:
+    """True if a text most likely asks for a motion."""
+    kind, likely = decider.asked(text)
+    return kind in GUESSES and likely >= LIKELY_ASKED
 
 
 class ClauseReader:
@@ -92,7 +98,8 @@ class ClauseReader:
             return Clause(decision.calls, sure=False)
         kind, likely = self._decider.asked(clause)
         skills = GUESSES.get(kind, ()) if likely >= LIKELY_ASKED else ()
-        if call := self._readings.whole(clause, skills):
+        call = self._readings.whole(clause, skills)
+        if call and (call.arguments or likely >= LIKELY_ALONE):
             return Clause((call,), sure=False, guessed=True)
         return Clause(decision.calls, sure=False, guessed=True) if decision else None
 
@@ -100,11 +107,10 @@ class ClauseReader:
         """True if it asks for nothing and changes nothing of what is asked beside it."""
         kind, likely = self._decider.asked(clause)
         talks = kind == REMARK and likely >= LIKELY_TALK
-        may_deny = likely >= PLAINLY_TALK
         return (
             (talks or self._readings.is_filler(clause))
             and not self._cannot(clause)
-            and self._readings.is_aside(clause, may_deny=may_deny)
+            and self._readings.is_aside(clause, may_deny=talks)
         )
 
 

@@ -20,7 +20,7 @@ from edgevox.agent.llm.language_model import (
 )
 from edgevox.agent.llm.prompt import History, size_tokens
 from edgevox.agent.nlu.abilities import abilities, cannot_do, not_understood
-from edgevox.agent.nlu.apart import ClauseReader, read_apart
+from edgevox.agent.nlu.apart import ClauseReader, asks_for_motion, read_apart
 from edgevox.agent.nlu.decider import Decider, Decision, Readings
 from edgevox.agent.nlu.disfluencies import fluent
 from edgevox.agent.nlu.hearing.hypotheses import breaks_off, is_contested, is_same, likeliest
@@ -39,7 +39,7 @@ from edgevox.agent.nlu.questions import (
     question_of,
 )
 from edgevox.agent.nlu.remainder import may_ask_whether
-from edgevox.agent.nlu.small_talk import reply_to, small_talk_in
+from edgevox.agent.nlu.small_talk import CHATS, CHATS_PLAINLY, reply_to, small_talk_in
 from edgevox.agent.nlu.templates import Recogniser, RefusedCommand, Understood, refused
 from edgevox.agent.phrases.load import ENGLISH
 from edgevox.agent.phrases.own_names import phrasebook_of
@@ -189,7 +189,10 @@ class Interpreter:
         if meaning and self._only_guesses(meaning):
             judged = self._readings[meaning.agent.name].of(text)
             strange = judged is not None and judged.evidence["share_strange"] > MOST_STRANGE
-            if refused or strange or self._unknown_place(text):
+            else_asked = self._decider is not None and asks_for_motion(text, self._decider)
+            if refused or strange or else_asked or self._small_talk(text):
+                return None
+            if self._unknown_place(text):
                 return None
         return meaning
 
@@ -222,7 +225,8 @@ class Interpreter:
         """
         whether, general = asks_whether(text, self._code), self._is_general(text)
         cannot = "" if general else self._cannot(text)[0]
-        if not (general or cannot) and (talk := self._small_talk(text)):
+        least = CHATS_PLAINLY if general else CHATS
+        if not cannot and (talk := self._small_talk(text, least)):
             turn.say(talk)
             return None
         if not whether and (asked := self._asked(text)):
@@ -343,11 +347,11 @@ class Interpreter:
             return self._model is not None and not is_about_hearer(text, self._code)
         return self._model is not None and self._decider.is_general(text)
 
-    def _small_talk(self, text: str) -> str:
+    def _small_talk(self, text: str, least: float = CHATS) -> str:
         """The answer to small talk that names nothing of the robot's world; else empty."""
         if self._decider is None or self._world().named_in(text):
             return ""
-        kind = small_talk_in(text, self._code, self._decider)
+        kind = small_talk_in(text, self._code, self._decider, least)
         return self.phrases.say(f"talk_{kind}") if kind else ""
 
     def _asked(self, text: str) -> Meaning | None:

@@ -11,6 +11,9 @@ from edgevox.agent.nlu.questions import asks
 CHATS, CHATS_APART = 0.4, 0.6
 """Least likelihood of small talk, and of that in one of several clauses."""
 
+CHATS_PLAINLY = 0.8
+"""The same of small talk that could also be a question about the world in general."""
+
 PLAINLY_OTHER = 0.6
 """Least likelihood of an order that no skill does."""
 
@@ -18,11 +21,11 @@ _STRETCHED = re.compile(r"(\w)\1{2,}")
 """A letter that is typed more often than twice: "hiii"."""
 
 
-def small_talk_in(text: str, code: str, decider: Decider) -> str:
+def small_talk_in(text: str, code: str, decider: Decider, least: float = CHATS) -> str:
     """The kind of small talk that a text is: see `say.talk_*` of a language; empty for none.
 
-    Of several clauses, all of which are talk, the likeliest counts; none if one of them asks for
-    something else.
+    `least` is the least likelihood of the whole text. Of several clauses, all of which are talk,
+    the likeliest counts; none if one of them asks for something else.
     """
     text = _STRETCHED.sub(r"\1", text)
     clauses = clauses_of(text, code)
@@ -33,9 +36,9 @@ def small_talk_in(text: str, code: str, decider: Decider) -> str:
     ):
         return ""
     kind, likely = decider.small_talk(text)
-    if likely >= CHATS:
+    if likely >= least:
         return kind
-    if {decider.asked(one)[0] for one in clauses} != {REMARK}:
+    if least > CHATS or {decider.asked(one)[0] for one in clauses} != {REMARK}:
         return ""
     kind, likely = max(kinds, key=lambda one: one[1])
     return kind if likely >= CHATS_APART else ""
