@@ -64,8 +64,17 @@ def test_orders_that_no_word_joins_are_done_if_each_says_how_far():
     assert [next(iter(one.arguments.values())) for one in calls] == [60.0, 0.8, 60.0]
 
 
-def test_the_first_of_two_orders_may_be_taken_back_by_the_second():
-    assert not understood("humanoid", "forward, back one metre")[1]
+@pytest.mark.parametrize(
+    "says",
+    ["forward, back one metre", "walk 2 metres, 3 metres", "walk 2 metres, walk 3 metres"],
+)
+def test_the_first_of_two_orders_may_be_taken_back_by_the_second(says):
+    assert not understood("humanoid", says)[1]
+
+
+@pytest.mark.parametrize("name", ["Bob", "Lucy"])
+def test_an_order_to_somebody_else_is_at_most_asked_about(name):
+    assert not understood("apartment", f"{name}, go to the kitchen")[1]
 
 
 @pytest.mark.parametrize(

@@ -7,6 +7,7 @@
 import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 from edgevox.agent.nlu.decider import Decider, Readings
 from edgevox.agent.nlu.lexicon import plain, words_of
@@ -69,8 +70,8 @@ class ClauseReader:
     """Reads single clauses.
 
     Args:
-        plain: Returns the calls of a plain command that moves the robot; None for no command, and
-            nothing for any other one.
+        plain: Returns a plain command that moves the robot; None for no command, and one without
+            calls for any other.
         cannot: Returns what the robot must answer to an act that no skill does; empty for none.
     """
 
@@ -78,7 +79,7 @@ class ClauseReader:
         self,
         decider: Decider,
         readings: Readings,
-        plain: Callable[[str], Sequence[Call] | None],
+        plain: Callable[[str], Clause | None],
         cannot: Callable[[str], str],
     ) -> None:
         self._decider = decider
@@ -88,9 +89,9 @@ class ClauseReader:
 
     def read(self, clause: str) -> Clause | None:
         """Its calls: by templates, by a sure reading, by what is likely asked, or by a reading."""
-        calls = self._plain(clause)
-        if calls is not None:
-            return Clause(tuple(calls), sure=True) if calls else None
+        plain = self._plain(clause)
+        if plain is not None:
+            return plain if plain.calls else None
         if self._cannot(clause) or self._readings.unknown_place(clause):
             return None
         decision = self._decider.decide(self._readings.of(clause), clause)
@@ -142,8 +143,8 @@ def read_apart(
     """The calls of a text's clauses, one after another; None if one is neither order nor remark.
 
     Of several none may be a guess. They are sure if templates read all of them, no remark is left
-    out, and each but the last says its amount or place: "forward, back one metre" may take the
-    first one back.
+    out, each but the last says its amount or place, and none is that before once more: "forward,
+    back one metre" and "two metres, three metres" may take the first one back.
     """
     results = words_of(code).results
     for more in ((), results, (*results, *joints)):
@@ -166,5 +167,6 @@ def _read(clauses: Sequence[str], reader: ClauseReader) -> Clause | None:
     if not calls or (len(found) > 1 and any(one.guessed for one in found)):
         return None
     told = all(call.arguments for call in calls[:-1])
-    sure = told and len(found) == len(clauses) and all(one.sure for one in found)
+    again = any(one.skill == other.skill for one, other in pairwise(calls))
+    sure = told and not again and len(found) == len(clauses) and all(one.sure for one in found)
     return Clause(calls, sure)

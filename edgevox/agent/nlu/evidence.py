@@ -180,17 +180,43 @@ class _SaidWords:
 
 
 def _addresses_another(reading: Reading, lexicon: Lexicon) -> bool:
-    """True if one or two unknown words stand alone between marks: "Lucy, go to the office"."""
+    """True if one or two words that are no courtesy stand alone first or last between marks.
+
+    "Lucy, go to the office"; the words of motions are names, too: "Bob".
+    """
     clauses: list[list[str]] = [[]]
     for token in reading.tokens:
         if is_mark(token):
             clauses.append([])
         else:
             clauses[-1].append(token)
-    return len(clauses) > 1 and any(
-        one and len(one) <= _MOST_NAMED and not any(map(lexicon.knows, one))
+    words = lexicon.function_words
+    small = lexicon.index((*words.all(), *lexicon.book.hearing.joints))
+    named = [
+        one
         for one in (clauses[0], clauses[-1])
+        if one and len(one) <= _MOST_NAMED and not small.places(one)
+    ]
+    if not lexicon.book.hearing.spaced:
+        return len(clauses) > 1 and any(not any(map(lexicon.knows, one)) for one in named)
+    return len(clauses) > 1 and any(
+        not any(map(lexicon.knows, one))
+        or (one is clauses[0] and _is_a_word_of_motion(one, lexicon))
+        for one in named
     )
+
+
+def _is_a_word_of_motion(words: Sequence[str], lexicon: Lexicon) -> bool:
+    """True for a single word that is only a verb of a drive to a place: "bob"."""
+    weights = [
+        one.weights.get(words[0], 0.0)
+        for one in lexicon.words.values()
+        if one.skill.drives and one.skill.choices
+    ]
+    relative = (one for one in lexicon.words.values() if one.skill.relative)
+    aside = any(one.weights.get(words[0], 0.0) >= SPEAKS for one in relative)
+    named = lexicon.in_a_name(words[0])
+    return len(words) == 1 and not (aside or named) and max(weights, default=0.0) > 0
 
 
 def _is_imperative(reading: Reading, lexicon: Lexicon) -> bool:

@@ -20,7 +20,7 @@ from edgevox.agent.llm.language_model import (
 )
 from edgevox.agent.llm.prompt import History, size_tokens
 from edgevox.agent.nlu.abilities import abilities, cannot_do, not_understood
-from edgevox.agent.nlu.apart import ClauseReader, asks_for_motion, read_apart
+from edgevox.agent.nlu.apart import Clause, ClauseReader, asks_for_motion, read_apart
 from edgevox.agent.nlu.decider import Decider, Decision, Readings
 from edgevox.agent.nlu.disfluencies import fluent
 from edgevox.agent.nlu.hearing.hypotheses import breaks_off, is_contested, is_same, likeliest
@@ -211,12 +211,12 @@ class Interpreter:
         meaning = found and Meaning(agent, found.calls, "reading", 1.0 if found.sure else ASK_FROM)
         return meaning if meaning and _drives(meaning) else None
 
-    def _drives_by(self, text: str) -> Sequence[Call] | None:
-        """The calls of a plain command that drives; () if it is refused or drives nothing."""
+    def _drives_by(self, text: str) -> Clause | None:
+        """A plain command that drives; without calls if it is refused or drives nothing."""
         plain = self.plain(text)
         if isinstance(plain, Meaning) and _drives(plain):
-            return plain.calls
-        return None if plain is None else ()
+            return Clause(plain.calls, plain.sure)
+        return None if plain is None else Clause((), sure=False)
 
     def _answer(self, text: str, said: str, turn: Turn) -> Meaning | None:
         """Answer words that are no order: by what the robot knows, else by the model.
