@@ -152,3 +152,35 @@ def test_what_asks_for_nothing_that_it_does_gets_a_short_true_answer(says, begin
     calls, _, said = understood("apartment", says)
     assert not calls
     assert said.startswith(begins)
+
+
+@pytest.mark.parametrize(
+    ("language", "says"),
+    [
+        ("en", "go to the kitchen, actually no"), ("en", "go to the kitchen, never mind"),
+        ("en", "go to the kitchen, no, leave it"), ("de", "fahr in die Küche, ach lass"),
+        ("fr", "va à la cuisine, non, laisse tomber"), ("es", "ve a la cocina, no, déjalo"),
+        ("it", "vai in cucina, anzi no"), ("pt", "vai à cozinha, não, deixa"),
+        ("nl", "ga naar de keuken, laat maar"), ("pl", "jedź do kuchni, albo nie"),
+        ("ru", "езжай на кухню, хотя нет"), ("tr", "mutfağa git, boş ver"),
+        ("ar", "اذهب إلى المطبخ، لا، انس الأمر"), ("hi", "रसोई में जाओ, रहने दो"),
+        ("zh", "去厨房，算了"), ("ja", "キッチンに行って、いや、やっぱりいい。"),
+        ("vi", "đi vào bếp, à thôi"), ("id", "pergi ke dapur, tidak jadi"),
+    ],
+)  # fmt: skip
+def test_an_order_that_its_end_takes_back_is_left(language, says):
+    calls, _, said = understood("apartment", says, language)
+    assert calls == []
+    assert said
+
+
+@pytest.mark.parametrize(
+    ("language", "says"),
+    [("en", "go to the kitchen, no hurry"), ("en", "go to the kitchen, no rush please")],
+)
+def test_a_courtesy_takes_nothing_back(language, says):
+    assert understood("apartment", says, language)[0]
+
+
+def test_two_or_three_metres_are_no_amount():
+    assert understood("apartment", "二、三メートル前に進んで。", "ja")[0] == []

@@ -10,8 +10,10 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 from edgevox.agent.nlu.decider import Decider, Readings
-from edgevox.agent.nlu.lexicon import plain, words_of
+from edgevox.agent.nlu.evidence import QUESTION_MARKS
+from edgevox.agent.nlu.lexicon import Lexicon, plain, words_of
 from edgevox.agent.skills import Call
+from edgevox.agent.stop.words import find_stop_word
 
 GUESSES: Mapping[str, tuple[str, ...]] = {
     "place": ("navigate_to",),
@@ -43,7 +45,8 @@ LIKELY_TALK, PLAINLY_TALK = 0.5, 0.85
 """Least likelihood of a remark beside an order, and of one alone."""
 
 _MARKS = re.compile(
-    r"[,;:.!?\u2026\u3001\u3002\u060c\u061b\u061f\u0964]+(?=\s|$)|[\u3001\u3002]|\s[-\u2013\u2014]+\s"
+    r"[,;:.!?\u2026\u060c\u061b\u061f\u0964]+(?=\s|$)"
+    r"|[\u3001\u3002\uff01\uff0c\uff1f]|\s[-\u2013\u2014]+\s"
 )
 _MOST_CLAUSES = 6
 
@@ -124,6 +127,36 @@ def clauses_of(text: str, code: str, more: Sequence[str] = ()) -> Sequence[str]:
         before = re.compile(rf"\s(?=(?:{either})\b)", re.IGNORECASE)
         pieces = [part.strip() for one in pieces for part in before.split(one)]
     return [one for one in pieces if plain(one).strip()]
+
+
+def is_taken_back(text: str, lexicon: Lexicon) -> bool:
+    """True if the text ends in words that take back what is before them: "..., actually no".
+
+    A question mark makes a tag of such words: "ve a la cocina, ¿no?".
+    """
+    words, book = lexicon.function_words, lexicon.book
+    if text.rstrip().endswith(tuple(QUESTION_MARKS)):
+        return False
+    filling = (*words.fillers, *words.urges, *book.hearing.joints)
+    small = lexicon.index((*book.answers.no, *words.corrections, *filling))
+    said = [one for one in _MARKS.split(text) if plain(one).strip()]
+    clauses = [lexicon.tokenize(one) for one in said]
+    meant = [not small.places(one).issuperset(range(len(one))) for one in clauses]
+    if not any(meant):
+        return False
+    if len(said) > 1 and any(meant[:-1]) and find_stop_word(book.code, said[-1]):
+        return True
+    last = clauses[-1]
+    longer = [range(at, at + len(one)) for at, one in lexicon.index(filling).find(last)]
+    declined = [
+        range(at, at + len(one))
+        for at, one in lexicon.index(book.answers.no).find(last)
+        if not any(at in other and len(other) > len(one) for other in longer)
+    ]
+    if not meant[-1]:
+        return bool(declined)
+    correcting = lexicon.index(words.corrections).places(last)
+    return any(one.stop == len(last) and one.start - 1 in correcting for one in declined)
 
 
 def _unjoined(clause: str, joints: Sequence[str], code: str) -> str:

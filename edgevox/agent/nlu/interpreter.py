@@ -20,7 +20,7 @@ from edgevox.agent.llm.language_model import (
 )
 from edgevox.agent.llm.prompt import History, size_tokens
 from edgevox.agent.nlu.abilities import abilities, cannot_do, not_understood
-from edgevox.agent.nlu.apart import Clause, ClauseReader, asks_for_motion, read_apart
+from edgevox.agent.nlu.apart import Clause, ClauseReader, asks_for_motion, is_taken_back, read_apart
 from edgevox.agent.nlu.decider import Decider, Decision, Readings
 from edgevox.agent.nlu.disfluencies import fluent
 from edgevox.agent.nlu.hearing.hypotheses import breaks_off, is_contested, is_same, likeliest
@@ -123,6 +123,9 @@ class Interpreter:
 
     def understand(self, text: str, turn: Turn) -> Meaning | None:
         """The meaning of an utterance; None if `turn` has answered it in words."""
+        if is_taken_back(text, self._readings[self.active.name].lexicon):
+            turn.say(self.phrases.say("left_undone"))
+            return None
         meaning = self._understood(text, turn)
         return self._with_little(meaning, text) if meaning else None
 

@@ -28,7 +28,11 @@ _EXACT = re.compile(
 )
 _RUN = re.compile(r"(?:(?![^\W\d_])\S)*\d(?:(?![^\W\d_])\S)*")
 _SIGNS = r"/*^~#$\u20ac\u00a3\u00a5+\u00b1\u00d7\u00f7<>\u2248\u2260\u2264\u2265\u221a\u2044\u2212"
-_STRAY = re.compile(rf"\d\s*[{_SIGNS}]|[{_SIGNS}]\s*\d|(?<!\S)[-\u2013]\s+\d|\d\s*=|(?<!\S),\d")
+_RANGE = r"[\d\u4e00\u4e8c\u4e09\u56db\u4e94\u516d\u4e03\u516b\u4e5d]\u3001\d"
+"""Two or three, as Japanese says it."""
+_STRAY = re.compile(
+    rf"\d\s*[{_SIGNS}]|[{_SIGNS}]\s*\d|(?<!\S)[-\u2013]\s+\d|\d\s*=|(?<!\S),\d|{_RANGE}"
+)
 _THOUSANDS = r"(?<![\d.,])[1-9]\d{{0,2}}{mark}\d{{3}}(?!\d)"
 _GLUED = re.compile(r"\s*(?<![^\W\d])([xyz])\s*(?=-?\d)", re.IGNORECASE)
 _DECIMAL_COMMA = re.compile(r"(?<![\d.,])(\d+),(\d+)(?![\d.,]*\d)")

@@ -4,6 +4,7 @@ import phrases
 import pytest
 from guards import HUNG_S
 from support.conversation import drives
+from waiting import wait_until
 
 from edgevox.agent.programs import run
 from edgevox.agent.programs.keeper import LEAD_S
@@ -365,6 +366,7 @@ def test_orders_are_listed_and_forgotten_by_what_is_said_of_them(talk):
         " Now: until you stop me: going to the kitchen. Then: going to the office."
     )
     assert phrases.opening("program_endless") in talk.ask("forget the patrol")
+    wait_until(lambda: not talk.conversation.moving, "its drive has ended")
     assert talk.ask("cancel the office in five minutes") == phrases.said(
         "program_forgotten", orders="In 4 minutes: going to the office."
     )
