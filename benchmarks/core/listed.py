@@ -135,6 +135,10 @@ BENCHMARKS: Mapping[str, Benchmark] = {
         "benchmarks.agent.home_sentences",
         "what people say to a house must not move a robot; needs Home Assistant's sentences",
     ),
+    "own_words": Benchmark(
+        "benchmarks.agent.own_words",
+        "orders in people's own words, as a language model wrote them: done, asked about, or not",
+    ),
     "questions": Benchmark(
         "benchmarks.agent.questions",
         "questions to three robots about themselves and their world, answered rightly",
