@@ -26,6 +26,9 @@ from edgevox.agent.phrases.own_names import phrasebook_of
 from edgevox.agent.skills import Call, Skill, SkillSet
 from edgevox.agent.text.spelling import key
 
+MOST_READ = 32
+"""Number of texts whose features a decider keeps: a sentence's and its clauses'."""
+
 _SAYS_AN_ABILITY = 2.0
 """Least weight of the words for a motion that "can you ..." asks for, and not about."""
 
@@ -362,7 +365,7 @@ class Decider:
     def __init__(self, encoder: SentenceReader, head: Head) -> None:
         self._encoder = encoder
         self._head = head
-        self._last: tuple[str, Floats] | None = None
+        self._read: dict[str, Floats] = {}
 
     def decide(self, judged: Judged | None, text: str) -> Decision | None:
         """The calls to do or to ask about; None if the sentence is no order."""
@@ -400,10 +403,12 @@ class Decider:
         return self._head.order(self._features(text))
 
     def _features(self, text: str) -> Floats:
-        """The encoder's features; the last are kept, since several callers ask for them."""
-        if self._last is None or self._last[0] != text:
-            self._last = text, self._encoder.features(text)
-        return self._last[1]
+        """The encoder's features; a few are kept, since several callers ask for a sentence's."""
+        if text not in self._read:
+            if len(self._read) >= MOST_READ:
+                self._read.clear()
+            self._read[text] = self._encoder.features(text)
+        return self._read[text]
 
 
 def _is_doubtful(judged: Judged, order: float) -> bool:
