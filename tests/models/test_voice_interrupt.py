@@ -164,9 +164,9 @@ def test_a_person_who_only_listens_does_not_end_its_answer(rig, words, monkeypat
     rig.room.play(np.concatenate([QUIET, sound, silence(2.0)]))
     assert rig.parts.listener.transcriber.wait_idle(HUNG_S)
 
-    then = heard()
-    wait_until(lambda: heard() > then + RATE_HZ, "going on")
-    assert rig.of(Responded) == []
+    then = heard()  # on a slow machine its answer may be over before the words are understood
+    wait_until(lambda: heard() > then + RATE_HZ or rig.of(Responded), "going on, or its end")
+    assert [one.cut for one in rig.of(Responded)] in ([], [False])
     assert rig.of(Interrupted) == []
 
 
