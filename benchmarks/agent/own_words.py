@@ -109,8 +109,8 @@ def _figures(half: str, about: str, found: Counter[str]) -> Iterator[Figure]:
     orders = sum(found[column] for column in COLUMNS)
     for column in COLUMNS:
         yield Figure.share(
-            f"{half}.{column.split()[0].strip(',')}", ORDERS, about, found[column], orders, column=column,
-            wanted=0.0 if column == WRONG else None,
+            f"{half}.{column.split()[0].strip(',')}", ORDERS, about, found[column], orders,
+            column=column, wanted=0.0 if column == WRONG else None,
         )  # fmt: skip
     others = found["moves"] + found["still"]
     yield Figure.share(
