@@ -16,7 +16,7 @@ import yaml
 from corpus_robots import whole
 
 from benchmarks.core.figures import Figure, Measured, NotHere, printed
-from benchmarks.hearing.heard_robot import Robot
+from benchmarks.hearing.heard_robot import Outcome, Robot
 from edgevox.agent.skills import Call, SkillSet
 from edgevox.models import ModelMissing
 from edgevox.voice.stt.speech_to_text import Transcript
@@ -25,13 +25,9 @@ FILE = Path(__file__).with_name("own_words.yaml")
 ORDERS = "Orders in people's own words"
 OTHERS = "No order, beyond the robot, or not complete"
 HALVES = {"seen": "looked at", "apart": "kept apart"}
-RIGHT, ASKED, WRONG, ELSE, NOTHING = COLUMNS = (
-    "right",
-    "rightly asked",
-    "wrong motions",
-    "asks something else",
-    "nothing, or an answer",
-)
+RIGHT, WRONG, NOTHING = (one.value for one in (Outcome.RIGHT, Outcome.WRONG, Outcome.NOTHING))
+ASKED, ELSE = "rightly asked", "asks something else"
+COLUMNS = RIGHT, ASKED, WRONG, ELSE, NOTHING
 _NEAR = 0.011
 """Largest part by which an amount may differ from the wanted one: feet are rounded."""
 

@@ -197,16 +197,7 @@ def train_small_talk(encoder: Encoder) -> dict[str, object]:
     others += [*(says for says, _ in more_sentences()), *kinds.pop(NO_TALK)]
     rows = [(says, kind) for kind, several in kinds.items() for says in several]
     rows += [(says, "") for says in others]
-    raw = np.array([encoder.features(says) for says, _ in rows], np.float64)
-    mean, spread = raw.mean(0), raw.std(0) + 1e-6
-    names = ["", *kinds]
-    wanted = np.array([[one == kind for kind in names] for _, one in rows], float)
-    weights, biases = multinomial((raw - mean) / spread, wanted, TALK_WEIGHT)
-    return {
-        "talk_kinds": np.array(names),
-        "talk_weights": (weights / spread).astype(np.float32),
-        "talk_biases": biases - (weights * mean / spread).sum(axis=1),
-    }
+    return told_apart(encoder, rows, ["", *kinds], "talk", TALK_WEIGHT)
 
 
 def train_asked(encoder: Encoder) -> dict[str, object]:
@@ -217,15 +208,28 @@ def train_asked(encoder: Encoder) -> dict[str, object]:
         for kind, several in yaml.safe_load(file.read_text(encoding="utf-8")).items()
         for says in several
     ]
+    return told_apart(encoder, rows, list(dict.fromkeys(kind for _, kind in rows)), "asked")
+
+
+def told_apart(
+    encoder: Encoder,
+    rows: list[tuple[str, str]],
+    kinds: list[str],
+    name: str,
+    heavier: float = 1.0,
+) -> dict[str, object]:
+    """The arrays of a multinomial regression, named so, that tells the kinds of sentences.
+
+    All kinds but the first are `heavier`.
+    """
     raw = np.array([encoder.features(says) for says, _ in rows], np.float64)
     mean, spread = raw.mean(0), raw.std(0) + 1e-6
-    names = list(dict.fromkeys(kind for _, kind in rows))
-    wanted = np.array([[one == kind for kind in names] for _, one in rows], float)
-    weights, biases = multinomial((raw - mean) / spread, wanted)
+    wanted = np.array([[one == kind for kind in kinds] for _, one in rows], float)
+    weights, biases = multinomial((raw - mean) / spread, wanted, heavier)
     return {
-        "asked_kinds": np.array(names),
-        "asked_weights": (weights / spread).astype(np.float32),
-        "asked_biases": biases - (weights * mean / spread).sum(axis=1),
+        f"{name}_kinds": np.array(kinds),
+        f"{name}_weights": (weights / spread).astype(np.float32),
+        f"{name}_biases": biases - (weights * mean / spread).sum(axis=1),
     }
 
 

@@ -7,6 +7,7 @@
 import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cache
 from itertools import pairwise
 
 from edgevox.agent.nlu.decider import Decider, Readings
@@ -118,15 +119,18 @@ class ClauseReader:
         )
 
 
-def clauses_of(text: str, code: str, more: Sequence[str] = ()) -> Sequence[str]:
+def clauses_of(text: str, code: str, more: tuple[str, ...] = ()) -> Sequence[str]:
     """The clauses of a text: it is parted at marks, before words that open a reason, and `more`."""
-    opening = (*words_of(code).reasons, *more)
-    pieces = [one.strip() for one in _MARKS.split(text)]
-    if opening:
-        either = "|".join(re.escape(one) for one in sorted(opening, key=len)[::-1])
-        before = re.compile(rf"\s(?=(?:{either})\b)", re.IGNORECASE)
-        pieces = [part.strip() for one in pieces for part in before.split(one)]
+    before = _opening((*words_of(code).reasons, *more))
+    pieces = [part.strip() for one in _MARKS.split(text) for part in before.split(one.strip())]
     return [one for one in pieces if plain(one).strip()]
+
+
+@cache
+def _opening(words: tuple[str, ...]) -> re.Pattern[str]:
+    """What stands before any of these words; nothing does without one."""
+    either = "|".join(re.escape(one) for one in sorted(words, key=len)[::-1]) or "(?!)"
+    return re.compile(rf"\s(?=(?:{either})\b)", re.IGNORECASE)
 
 
 def is_taken_back(text: str, lexicon: Lexicon) -> bool:
@@ -147,12 +151,7 @@ def is_taken_back(text: str, lexicon: Lexicon) -> bool:
     if len(said) > 1 and any(meant[:-1]) and find_stop_word(book.code, said[-1]):
         return True
     last = clauses[-1]
-    longer = [range(at, at + len(one)) for at, one in lexicon.index(filling).find(last)]
-    declined = [
-        range(at, at + len(one))
-        for at, one in lexicon.index(book.answers.no).find(last)
-        if not any(at in other and len(other) > len(one) for other in longer)
-    ]
+    declined = [*lexicon.outside(book.answers.no, filling, last)]
     if not meant[-1]:
         return bool(declined)
     correcting = lexicon.index(words.corrections).places(last)
@@ -170,7 +169,7 @@ def _unjoined(clause: str, joints: Sequence[str], code: str) -> str:
 def read_apart(
     text: str,
     code: str,
-    joints: Sequence[str],
+    joints: tuple[str, ...],
     reader: ClauseReader,
 ) -> Clause | None:
     """The calls of a text's clauses, one after another; None if one is neither order nor remark.

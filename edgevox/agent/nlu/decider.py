@@ -19,14 +19,20 @@ from edgevox.agent.nlu.evidence import (
 from edgevox.agent.nlu.lexicon import Lexicon, Words, is_mark, is_number
 from edgevox.agent.nlu.meaning import ASK_FROM, SURE_FROM
 from edgevox.agent.nlu.reading import CallReader, Reading
-from edgevox.agent.nlu.remainder import SPEAKS, is_denied_inside, is_left_over, is_unsaid
+from edgevox.agent.nlu.remainder import (
+    SPEAKS,
+    is_denied_inside,
+    is_left_over,
+    is_unsaid,
+    speaks_of_motion,
+)
 from edgevox.agent.phrases.load import ENGLISH
 from edgevox.agent.phrases.numbers import digits, is_exact
 from edgevox.agent.phrases.own_names import phrasebook_of
 from edgevox.agent.skills import Call, Skill, SkillSet
 from edgevox.agent.text.spelling import key
 
-MOST_READ = 32
+_MOST_READ = 32
 """Number of texts whose features a decider keeps: a sentence's and its clauses'."""
 
 _SAYS_AN_ABILITY = 2.0
@@ -149,7 +155,7 @@ class Readings:
             if reading is None or _unitless_one(reading):
                 continue
             facts = evidence(reading, lexicon, text)
-            against = any(facts[one] for one in (*_OBJECTIONS, "conditions", "opens_as_question"))
+            against = any(facts[one] for one in (*_OBJECTIONS, "conditions"))
             left = self._is_left(reading, lexicon, plain, likely=True)
             guessed = reading.strange and not reading.calls[0].arguments
             if against or left or guessed or self._denies(plain):
@@ -171,14 +177,9 @@ class Readings:
         """True if the text has words for a small amount: "a bit", but not that of "in a bit"."""
         lexicon, tokens = self.lexicon, self.lexicon.tokenize(" ".join(text.split()))
         words = lexicon.function_words
-        longer = [
-            range(at, at + len(one))
-            for at, one in lexicon.index((*words.fillers, *words.put_off)).find(tokens)
-        ]
-        for at, one in lexicon.index(words.little).find(tokens):
-            inside = any(at in other and len(other) > len(one) for other in longer)
-            after = next(iter(tokens[at + len(one) :]), "")
-            if not inside and (not after.isalpha() or lexicon.knows(after)):
+        for one in lexicon.outside(words.little, (*words.fillers, *words.put_off), tokens):
+            after = next(iter(tokens[one.stop :]), "")
+            if not after.isalpha() or lexicon.knows(after):
                 return True  # "a little", but not that of "a little circle"
         return False
 
@@ -244,7 +245,8 @@ class Readings:
             if lexicon.index(words.corrections).starts(tokens) & {0, 1}:
                 return False
             denied = bool(lexicon.index(denying).starts(tokens))
-            if denied and not (may_deny and not _moves(tokens, lexicon)):
+            moves = any(speaks_of_motion(one, lexicon) for one in tokens)
+            if denied and (moves or not may_deny):
                 return False
         return True
 
@@ -405,7 +407,7 @@ class Decider:
     def _features(self, text: str) -> Floats:
         """The encoder's features; a few are kept, since several callers ask for a sentence's."""
         if text not in self._read:
-            if len(self._read) >= MOST_READ:
+            if len(self._read) >= _MOST_READ:
                 self._read.clear()
             self._read[text] = self._encoder.features(text)
         return self._read[text]
@@ -462,12 +464,6 @@ def _asks_about_another(reading: Reading, lexicon: Lexicon) -> bool:
         for part in reading.parts
         if lexicon.skills[part.call.skill].moves
     )
-
-
-def _moves(tokens: Words, lexicon: Lexicon) -> bool:
-    """True if a word speaks for a motion."""
-    moving = [one for name, one in lexicon.words.items() if lexicon.skills[name].drives]
-    return any(one.weights.get(token, 0.0) >= SPEAKS for one in moving for token in tokens)
 
 
 def _unitless_one(reading: Reading) -> bool:

@@ -406,17 +406,15 @@ class Head:
 
     def small_talk(self, features: Floats) -> tuple[str, float]:
         """The kind of small talk that a sentence most likely is, and how likely it is."""
-        logits = self.talk_weights @ features + self.talk_biases
-        likely = np.exp(logits - logits.max())
+        likely = _likelihoods(self.talk_weights @ features + self.talk_biases)
         best = 1 + int(likely[1:].argmax())
-        return self.talk_kinds[best], float(likely[best] / likely.sum())
+        return self.talk_kinds[best], float(likely[best])
 
     def asked(self, features: Floats) -> tuple[str, float]:
         """What a sentence most likely asks for, one of `asked_kinds`, and how likely it does."""
-        logits = self.asked_weights @ features + self.asked_biases
-        likely = np.exp(logits - logits.max())
+        likely = _likelihoods(self.asked_weights @ features + self.asked_biases)
         best = int(likely.argmax())
-        return self.asked_kinds[best], float(likely[best] / likely.sum())
+        return self.asked_kinds[best], float(likely[best])
 
     def likelihood(self, order: float, evidence: Mapping[str, float]) -> float:
         """Likelihood of a reading to be meant, from 0 to 1."""
@@ -427,6 +425,12 @@ class Head:
         """The likelihood on the scale on which `ASK_FROM` asks and `SURE_FROM` acts."""
         known = (0.0, self.ask, self.sure, 1.0)
         return float(np.interp(likelihood, known, (0.0, ASK_FROM, SURE_FROM, 1.0)))
+
+
+def _likelihoods(logits: Floats) -> Floats:
+    """Softmax."""
+    likely = np.exp(logits - logits.max())
+    return np.asarray(likely / likely.sum(), np.float32)
 
 
 def read_head() -> Head:

@@ -116,13 +116,14 @@ def _goes_two_ways(reading: Reading, lexicon: Lexicon) -> bool:
     """
     moving = {name: one.weights for name, one in lexicon.words.items() if one.skill.relative}
     for part in reading.parts:
-        own = moving.get(part.call.skill)
-        marks = [at for at in range(part.start, part.end) if is_mark(reading.tokens[at])]
-        for at in range(marks[0], part.end) if own is not None and marks else ():
-            token = reading.tokens[at]
-            others = any(token in one for name, one in moving.items() if name != part.call.skill)
-            if own is not None and token not in own and others:
-                return True
+        if (own := moving.get(part.call.skill)) is None:
+            continue
+        said = itertools.dropwhile(
+            lambda one: not is_mark(one), reading.tokens[part.start : part.end]
+        )
+        others = [one for name, one in moving.items() if name != part.call.skill]
+        if any(one not in own and any(one in other for other in others) for one in said):
+            return True
     return False
 
 
@@ -190,33 +191,24 @@ def _addresses_another(reading: Reading, lexicon: Lexicon) -> bool:
             clauses.append([])
         else:
             clauses[-1].append(token)
-    words = lexicon.function_words
-    small = lexicon.index((*words.all(), *lexicon.book.hearing.joints))
-    named = [
-        one
-        for one in (clauses[0], clauses[-1])
-        if one and len(one) <= _MOST_NAMED and not small.places(one)
-    ]
-    if not lexicon.book.hearing.spaced:
-        return len(clauses) > 1 and any(not any(map(lexicon.knows, one)) for one in named)
-    return len(clauses) > 1 and any(
-        not any(map(lexicon.knows, one))
-        or (one is clauses[0] and _is_a_word_of_motion(one, lexicon))
-        for one in named
-    )
+    if len(clauses) < 2:
+        return False
+    first, last = clauses[0], clauses[-1]
+    small = lexicon.index((*lexicon.function_words.all(), *lexicon.book.hearing.joints))
+    return any(
+        0 < len(one) <= _MOST_NAMED and not small.places(one) and not any(map(lexicon.knows, one))
+        for one in (first, last)
+    ) or (lexicon.book.hearing.spaced and not small.places(first) and _is_a_motion(first, lexicon))
 
 
-def _is_a_word_of_motion(words: Sequence[str], lexicon: Lexicon) -> bool:
+def _is_a_motion(words: Sequence[str], lexicon: Lexicon) -> bool:
     """True for a single word that is only a verb of a drive to a place: "bob"."""
-    weights = [
-        one.weights.get(words[0], 0.0)
-        for one in lexicon.words.values()
-        if one.skill.drives and one.skill.choices
-    ]
-    relative = (one for one in lexicon.words.values() if one.skill.relative)
-    aside = any(one.weights.get(words[0], 0.0) >= SPEAKS for one in relative)
-    named = lexicon.in_a_name(words[0])
-    return len(words) == 1 and not (aside or named) and max(weights, default=0.0) > 0
+    if len(words) != 1 or lexicon.in_a_name(words[0]):
+        return False
+    weights = [(one.skill, one.weights.get(words[0], 0.0)) for one in lexicon.words.values()]
+    aside = any(one.relative and weight >= SPEAKS for one, weight in weights)
+    goes = any(one.drives and one.choices and weight > 0 for one, weight in weights)
+    return goes and not aside
 
 
 def _is_imperative(reading: Reading, lexicon: Lexicon) -> bool:

@@ -31,6 +31,7 @@ from edgevox.agent.nlu.meaning import ASK_FROM, HEARD_FROM, Meaning, Program
 from edgevox.agent.nlu.model_answer import ANSWER_TOKENS, LEAST_LIKELY, CheckedAnswer, say_by
 from edgevox.agent.nlu.order_reader import NO_CONDITIONS, ProgramReader, Read, Unclear
 from edgevox.agent.nlu.questions import (
+    MOST_STRANGE,
     WorldWords,
     asks,
     asks_whether,
@@ -61,8 +62,6 @@ MAX_HANDOFFS = 3
 BACK = "go_back"
 """Name of the dialogue skill that leads back to where the last motion began."""
 
-MOST_STRANGE = 0.17
-"""Largest share of unknown words in a question that is guessed."""
 
 _SPOKEN = (Outcome.ANSWERED, Outcome.INTERRUPTED)
 
@@ -191,7 +190,7 @@ class Interpreter:
         meaning = self._without_acts(self._read(text), text, turn)
         if meaning and self._only_guesses(meaning):
             judged = self._readings[meaning.agent.name].of(text)
-            strange = judged is not None and judged.evidence["share_strange"] > MOST_STRANGE
+            strange = judged is not None and judged.evidence["share_strange"] > MOST_STRANGE[0]
             else_asked = self._decider is not None and asks_for_motion(text, self._decider)
             if refused or strange or else_asked or self._small_talk(text):
                 return None

@@ -332,6 +332,15 @@ class Lexicon:
             self._indices[phrases] = PhraseIndex(map(self.phrase, phrases))
         return self._indices[phrases]
 
+    def outside(
+        self, phrases: tuple[str, ...], longer: tuple[str, ...], tokens: Words
+    ) -> Iterator[range]:
+        """The places of phrases that begin in no longer one of these: "a bit", not "in a bit"."""
+        around = [range(at, at + len(one)) for at, one in self.index(longer).find(tokens)]
+        for at, one in self.index(phrases).find(tokens):
+            if not any(at in other and len(other) > len(one) for other in around):
+                yield range(at, at + len(one))
+
     def spelled(self, tokens: Words) -> Words:
         """The tokens with misheard and misspelt words corrected: see `_spelled`."""
         for written, said in self._misheard:

@@ -18,26 +18,6 @@ half for tuning."""
 _SENTENCE_END = re.compile(r"(?<=[.!?\u061f\u0964])\s+|(?<=[\u3002\uff01\uff1f])")
 
 
-def say_by(
-    model: LanguageModel,
-    chat: Sequence[ChatMessage],
-    grammar: str,
-    turn: Turn,
-    checked: "CheckedAnswer",
-) -> Sequence[Call]:
-    """Say what passes of what the model writes, and return its calls. Raises `ModelFailed`."""
-    parser = OutputParser()
-    for piece in model.generate(chat, grammar=grammar, max_tokens=ANSWER_TOKENS, token=turn.token):
-        likely = piece.likely if isinstance(piece, Piece) else 1.0
-        turn.stream("")
-        for told in checked.feed(parser.feed(piece), likely):
-            turn.stream(told, tokens=0)
-    for told in checked.finish():
-        turn.stream(told, tokens=0)
-    turn.flush()
-    return () if turn.token.cancelled else parser.finish()
-
-
 class CheckedAnswer:
     """Lets the sentences of a model's answer pass that make no claim and of which it is sure.
 
@@ -72,3 +52,23 @@ class CheckedAnswer:
                 return told
             told.append(f"{one} ")
         return [*pieces[:-1], pieces[-1].removesuffix(rest)]
+
+
+def say_by(
+    model: LanguageModel,
+    chat: Sequence[ChatMessage],
+    grammar: str,
+    turn: Turn,
+    checked: CheckedAnswer,
+) -> Sequence[Call]:
+    """Say what passes of what the model writes, and return its calls. Raises `ModelFailed`."""
+    parser = OutputParser()
+    for piece in model.generate(chat, grammar=grammar, max_tokens=ANSWER_TOKENS, token=turn.token):
+        likely = piece.likely if isinstance(piece, Piece) else 1.0
+        turn.stream("")
+        for told in checked.feed(parser.feed(piece), likely):
+            turn.stream(told, tokens=0)
+    for told in checked.finish():
+        turn.stream(told, tokens=0)
+    turn.flush()
+    return () if turn.token.cancelled else parser.finish()

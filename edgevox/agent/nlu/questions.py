@@ -25,7 +25,7 @@ _LEAST_TOLD = 4.0, 2.8
 that does."""
 _LEAST_LEAD = 2.0, 1.0
 """Least lead in weight over another question, for either."""
-_MOST_STRANGE = 0.17, 0.25
+MOST_STRANGE = 0.17, 0.25
 """Largest share of unknown words in either: "how fast is light" is no question to the robot."""
 _MOST_STRANGE_SIGNS = 0.5
 """The same where words are not written apart: each sign of an unknown word counts."""
@@ -41,7 +41,7 @@ def question_of(judged: Judged | None, text: str, code: str) -> Call | None:
     (part,), facts = judged.reading.parts, judged.evidence
     named = part.grounded > 0
     told = part.support >= _LEAST_TOLD[named]
-    known = facts["share_strange"] <= _MOST_STRANGE[named] and not facts["strange_unfilled"]
+    known = facts["share_strange"] <= MOST_STRANGE[named] and not facts["strange_unfilled"]
     clear = part.support - part.rival >= _LEAST_LEAD[named] and not facts["denied"]
     return part.call if told and known and clear else None
 
@@ -56,7 +56,7 @@ def cued(text: str, lexicon: Lexicon, general: Callable[[], bool] = lambda: Fals
     if not _inquires(text, lexicon.book.code):
         return None
     written = lexicon.tokenize(digits(" ".join(text.split()), lexicon.book.code))
-    most = _MOST_STRANGE[0] if lexicon.book.hearing.spaced else _MOST_STRANGE_SIGNS
+    most = MOST_STRANGE[0] if lexicon.book.hearing.spaced else _MOST_STRANGE_SIGNS
     for tokens in dict.fromkeys((written, lexicon.spelled(written))):
         if call := _cued(tokens, lexicon, most):
             return _cued(tokens, lexicon, 0.0) if general() else call

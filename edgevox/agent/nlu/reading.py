@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 
 from edgevox.agent.nlu.clauses import ClauseReading, Clauses, Name, Number, find_names, find_numbers
 from edgevox.agent.nlu.lexicon import Lexicon, Words, is_mark
-from edgevox.agent.nlu.remainder import SPEAKS
+from edgevox.agent.nlu.remainder import speaks_of_motion
 from edgevox.agent.skills import Call
 
 _BESIDE = 3.0
@@ -125,12 +125,10 @@ class CallReader:
         )
 
     def _speaks(self, tokens: Words, start: int, end: int) -> bool:
-        """True if a word here speaks for a motion, and is no courtesy: "then back here"."""
-        skills = self._lexicon.skills
-        moving = [one for name, one in self._lexicon.words.items() if skills[name].drives]
+        """True if a word here speaks for a motion, and is no courtesy: perhaps another order."""
         courteous = self._courtesies.places(tokens)
         return any(
-            max((one.weights.get(tokens[at], 0.0) for one in moving), default=0.0) >= SPEAKS
+            speaks_of_motion(tokens[at], self._lexicon)
             for at in range(start, end)
             if at not in courteous and tokens[at] not in self._lexicon.function_words.fillers
         )
@@ -146,20 +144,17 @@ class CallReader:
             return None
         names = list(_as_written(find_names(self._lexicon, tokens), tokens, written))
         numbers = find_numbers(tokens, self._linking)
-        filled = self._filled(tokens) | self._courtesies.places(tokens)
+        courteous = self._courtesies.places(tokens)
+        filled = self._filled(tokens) | courteous
         sentence = Clauses(self._lexicon, tokens, names, numbers, filled=filled)
-        joints = [
-            at for at in self._joints.starts(tokens) if at not in self._courtesies.places(tokens)
-        ]
+        joints = self._joints.starts(tokens) - courteous
         if any(sentence.strange(at, len(tokens)) for at in joints):
             return None  # perhaps another order
+        denied = bool(self._negations.places(tokens) - courteous)
         for name in self._lexicon.words.keys() & skills:
             if part := sentence.whole(self._lexicon.words[name]):
-                courteous = self._courtesies.places(tokens)
-                denied = bool(self._negations.places(tokens) - courteous)
-                strange = part.strange
                 return Reading(
-                    (part,), tokens, courteous, strange, False, False, denied, unread=False
+                    (part,), tokens, courteous, part.strange, False, False, denied, unread=False
                 )
         return None
 

@@ -23,6 +23,15 @@ _AT_AN_END = "."
 """Marks the end of a sentence at which a phrase puts an order off: "depois ."."""
 
 
+def speaks_of_motion(word: str, lexicon: Lexicon) -> bool:
+    """True for a word that alone speaks for a motion."""
+    return any(
+        one.weights.get(word, 0.0) >= SPEAKS
+        for name, one in lexicon.words.items()
+        if lexicon.skills[name].drives
+    )
+
+
 def may_ask_whether(calls: Sequence[Call], text: str, code: str) -> bool:
     """True if the words may ask about an ability: "can you walk backwards".
 
