@@ -184,3 +184,69 @@ def test_a_courtesy_takes_nothing_back(language, says):
 
 def test_two_or_three_metres_are_no_amount():
     assert understood("apartment", "二、三メートル前に進んで。", "ja")[0] == []
+
+
+@pytest.mark.parametrize(
+    ("language", "says"),
+    [
+        ("en", "Once Anna is back, drive forward one metre."),
+        ("en", "Turn left 90 degrees. Kidding!"),
+        ("en", "Go to the bedroom. Actually, no, I'd rather have you here."),
+        ("en", "Honey, can you go to the kitchen and get me some water?"),
+        ("de", "Sobald der Besuch weg ist, fahr in die Küche."),
+        ("fr", "Viens dans le salon, Amélie, s'il te plaît."),
+        ("it", "Vai in cucina, anzi no aspetta, resta qui."),
+        ("nl", "Rij een meter vooruit, zolang de vloer maar droog is."),
+        ("pl", "Jedź do kuchni, chyba że ktoś już tam jest."),
+        ("tr", "Yatak odasına git, aslında burada kalman daha iyi."),
+        ("zh", "去厨房吧，除非里面有人。"),
+        ("zh", "去厨房吧,除非里面有人。"),
+        ("ja", "花子ちゃん、キッチンに行って。"),
+    ],
+)
+def test_what_is_not_for_now_or_for_the_robot_is_at_most_asked_about(language, says):
+    _, sure, _ = understood("apartment", says, language)
+
+    assert not sure
+
+
+@pytest.mark.parametrize(
+    ("language", "says"),
+    [
+        ("en", "Get out of the kitchen and go to the bedroom."),
+        ("de", "Fahr aus der Küche raus und dann ins Schlafzimmer."),
+    ],
+)
+def test_a_place_to_leave_is_no_place_to_go_to(language, says):
+    calls, _, _ = understood("apartment", says, language)
+
+    assert calls in ([], [Call("navigate_to", {"room": "bedroom"})])
+
+
+@pytest.mark.parametrize(
+    ("language", "says"),
+    [("en", "leave the kitchen"), ("es", "Venga, sal del salón."), ("ru", "Уезжай из кухни.")],
+)
+def test_an_order_to_leave_a_place_asks_for_no_way_there(language, says):
+    assert understood("apartment", says, language)[0] == []
+
+
+def test_an_order_that_was_not_read_holds_back_the_other():
+    calls, sure, _ = understood(
+        "apartment", "Back up a little bit first, and then go to the office."
+    )
+
+    assert not sure
+    assert calls != [Call("navigate_to", {"room": "office"})]
+
+
+@pytest.mark.parametrize(
+    ("robot", "says", "call"),
+    [
+        ("apartment", "Back up a little, please", Call("drive_backward", {"distance": 0.3})),
+        ("apartment", "go a bit forward", Call("drive_forward", {"distance": 0.3})),
+        ("humanoid", "Take two steps back please.", Call("walk_backward", {"distance": 0.8})),
+    ],
+)
+def test_a_small_amount_or_steps_are_done_at_once(robot, says, call):
+    assert understood(robot, says)[:2] == ([call], True)

@@ -150,5 +150,5 @@ def test_small_talk_is_told_by_its_kind(decider: Decider, says: str, kind: str |
 @pytest.mark.parametrize("language", LANGUAGES)
 def test_every_language_has_an_answer_to_each_kind_of_small_talk(language: str) -> None:
     sentences = phrasebook(language)
-    for kind in read_head().talk_kinds[1:]:
+    for kind in read_head().talk.kinds[1:]:
         assert sentences.say(f"talk_{kind}")

@@ -13,7 +13,7 @@ from edgevox.agent.agents import Agent
 from edgevox.agent.conversation import Conversation
 from edgevox.agent.known import Known
 from edgevox.agent.nlu.decider import Decider
-from edgevox.agent.nlu.encoder import read_head
+from edgevox.agent.nlu.encoder import KindHead, read_head
 from edgevox.agent.nlu.meaning import ASK_FROM, Meaning
 from edgevox.agent.policy import Guard
 from edgevox.agent.skills import Call, Skill, SkillSet
@@ -51,19 +51,28 @@ ORDER, TALK = 12.0, -12.0
 """Logits of the head for what is surely an order, and for what is surely none."""
 
 
+def _first_of(head: KindHead) -> list[float]:
+    """Logits of the first kind alone; the weights of all kinds add up to 0."""
+    others = len(head.kinds) - 1
+    return [float(others), *[-1.0] * others]
+
+
 class CertainEncoder:
     """An encoder whose every sentence gives the head the same logit: that of an order.
 
-    None is a question about the world in general, nor small talk.
+    By the other regressions it is a remark that asks for nothing, and wants what it says now.
     """
 
     def __init__(self, logit: float = ORDER) -> None:
         head = read_head()
-        weights = np.vstack([head.order_weights, head.general_weights, head.talk_weights])
-        biases = np.array([head.order_bias, head.general_bias, *head.talk_biases])
-        others = len(head.talk_kinds) - 1
-        kinds = [float(others), *[-1.0] * others]  # the weights of all kinds add up to 0
-        self._features = np.linalg.lstsq(weights, np.array([logit, TALK, *kinds]) - biases)[0]
+        kinds = head.talk, head.asked, head.told, head.meant
+        weights = [one.weights for one in kinds]
+        biases = [one.biases for one in kinds]
+        self._features = np.linalg.lstsq(
+            np.vstack([head.order_weights, head.general_weights, *weights]),
+            np.hstack([logit, TALK, *map(_first_of, kinds)])
+            - np.hstack([head.order_bias, head.general_bias, *biases]),
+        )[0]
 
     def features(self, text: str) -> Any:
         return self._features.astype("float32")

@@ -5,14 +5,15 @@ written for it; nothing of the half that is held out. Three
 logistic regressions, by Newton's method, so that every run gives the same file. The second one
 learns from likelihoods of the first one that never saw the sentence. The third one learns from
 `questions.yaml` what a language model may answer. A multinomial regression learns the kinds of
-small talk from `small_talk.yaml`, and another one what a robot is asked to do from `asked`.
+small talk from `small_talk.yaml`; others learn what a robot is asked to do from `asked`, what it is
+asked to tell from `told`, and from `meant` whether words about a motion want it now.
 
     python -m training.decision.train [FILE]
     python -m training.decision.train --talk     # only the last ones, in the file as it is
 """
 
 import sys
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -36,9 +37,11 @@ HEAD = ROOT / "edgevox" / "agent" / "nlu" / HEAD_FILE
 MORE = Path(__file__).with_name("sentences.yaml")
 QUESTIONS = Path(__file__).with_name("questions.yaml")
 SMALL_TALK = Path(__file__).with_name("small_talk.yaml")
-ASKED = Path(__file__).with_name("asked")
+ASKED, TOLD, MEANT = (Path(__file__).with_name(one) for one in ("asked", "told", "meant"))
+NOW = "now"
+"""Orders to do something at once."""
 NO_TALK = "none"
-"""Its sentences that are no small talk."""
+"""Sentences that are no small talk, or ask to tell nothing that a skill does."""
 TALK_WEIGHT = 3.0
 """How much more a sentence of small talk counts than another one, of which there are more."""
 TALKS = ("small talk", "praise", "insults", "jokes", "feelings", "complaints", "permission",
@@ -200,15 +203,22 @@ def train_small_talk(encoder: Encoder) -> dict[str, object]:
     return told_apart(encoder, rows, ["", *kinds], "talk", TALK_WEIGHT)
 
 
-def train_asked(encoder: Encoder) -> dict[str, object]:
-    """The arrays of the regression that tells what a robot is asked to do."""
+def train_kinds(
+    encoder: Encoder, folder: Path, first: str, more: Iterable[str] = ()
+) -> dict[str, object]:
+    """The arrays of the regression that tells the kinds of sentences of all languages of a folder.
+
+    Its file `LANGUAGE.yaml` has sentences by kind. The kind `first` comes first and has `more`.
+    """
     rows = [
         (says, kind)
-        for file in sorted(ASKED.glob("*.yaml"))
+        for file in sorted(folder.glob("*.yaml"))
         for kind, several in yaml.safe_load(file.read_text(encoding="utf-8")).items()
         for says in several
     ]
-    return told_apart(encoder, rows, list(dict.fromkeys(kind for _, kind in rows)), "asked")
+    rows += [(says, first) for says in more]
+    kinds = list(dict.fromkeys([first, *(kind for _, kind in rows)]))
+    return told_apart(encoder, rows, kinds, folder.name)
 
 
 def told_apart(
@@ -282,7 +292,10 @@ def main() -> int:
     place = Path(sys.argv[1]) if len(sys.argv) > 1 and not talk else HEAD
     encoder = Encoder(locate(ENCODER))
     arrays = dict(np.load(HEAD)) if talk else train(encoder, show=True)
-    arrays |= train_general(encoder) | train_small_talk(encoder) | train_asked(encoder)
+    arrays |= train_general(encoder) | train_small_talk(encoder)
+    arrays |= train_kinds(encoder, ASKED, "talk") | train_kinds(encoder, TOLD, NO_TALK)
+    orders = [one.says for one in [*tuning(), *read_corpus(CASES)] if one.is_command]
+    arrays |= train_kinds(encoder, MEANT, NOW, orders)
     with place.open("wb") as file:
         np.savez(file, **arrays)  # type: ignore[arg-type]
     print(f"{place}: {place.stat().st_size} bytes")

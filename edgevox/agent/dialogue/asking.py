@@ -13,9 +13,9 @@ from edgevox.agent.dialogue.corrections import Corrections, Instead
 from edgevox.agent.dialogue.performer import Performer, Prepared
 from edgevox.agent.dialogue.question import OpenQuestion, Question
 from edgevox.agent.dialogue.replies import YES_FROM, Replies
-from edgevox.agent.dialogue.skills import DOING, OTHER, DialogueSkills
+from edgevox.agent.dialogue.skills import DOING, DialogueSkills
 from edgevox.agent.nlu.interpreter import Interpreter
-from edgevox.agent.nlu.meaning import ASK_FROM, SURE_FROM, Meaning
+from edgevox.agent.nlu.meaning import ASK_FROM, OTHER, SURE_FROM, Meaning
 from edgevox.agent.nlu.templates import RefusedCommand
 from edgevox.agent.policy import NeedsConfirmation, Rule
 from edgevox.agent.skills import STOP, Call

@@ -1,7 +1,8 @@
-"""References: "again", "go back", "further" and "the other one" turn into calls.
+"""References: "again", "go back", "further", "carry on" and "the other one" turn into calls.
 
 The calls follow from the last actions. A reference to something that was stopped, is too long ago
-or could mean two things is not carried out; the person is told what to say instead.
+or could mean two things is not carried out; the person is told what to say instead. Only "carry on"
+means what was stopped, and is asked about.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -59,6 +60,15 @@ class References:
         if not calls or not self._skills[calls[-1].skill].relative:
             raise SkillFailed(no_further(self._skills.values()))
         return calls[-1:]
+
+    def resume(self) -> Sequence[Call]:
+        """The last motion, if it was stopped; else that motion once more, as `further`."""
+        asked = self._dialogue.asked(self._moved)
+        if asked is None or not asked.stopped or not self._dialogue.repeatable(asked):
+            return self.further()
+        if asked.program:
+            raise SkillFailed(because("was_stopped"))
+        return tuple(asked.calls)
 
     def back(self) -> Sequence[Call]:
         """A drive to the pose where the last motion began, unless the body is there."""

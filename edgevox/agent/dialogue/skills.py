@@ -14,8 +14,19 @@ from edgevox.agent.dialogue.memory import Dialogue, MotionRecord
 from edgevox.agent.dialogue.references import References
 from edgevox.agent.known import NOTHING_KNOWN, Known, about_s
 from edgevox.agent.nlu.abilities import abilities
-from edgevox.agent.nlu.interpreter import BACK
-from edgevox.agent.nlu.meaning import ASK_FROM, Again, Do, Meaning, Program, calls_of, replaced
+from edgevox.agent.nlu.meaning import (
+    ASK_FROM,
+    BACK,
+    OTHER,
+    REFERENCES,
+    RESUME,
+    Again,
+    Do,
+    Meaning,
+    Program,
+    calls_of,
+    replaced,
+)
 from edgevox.agent.phrases.phrasebook import Phrasebook, detail
 from edgevox.agent.skills import (
     Call,
@@ -113,8 +124,6 @@ def _quoted(words: str) -> str:
 CAN = "what_can_you_do"
 DOING = "what_are_you_doing"
 QUESTIONS = (DOING, "why_did_you", "what_did_you_hear", CAN)
-OTHER = "the_other"
-REFERENCES = ("again", BACK, "further", OTHER)
 ALSO = "this_one_too"
 DIALOGUE_SKILLS = (*QUESTIONS, *REFERENCES, ALSO)
 """Names of all dialogue skills."""
@@ -185,7 +194,7 @@ class DialogueSkills:
             turn.write(self._answers.can()[1])
         said = {call.skill for call in meaning.calls}
         unsure = BACK in said and self._references.may_reverse()
-        if unsure or (OTHER in said and self._references.was_stopped()):
+        if unsure or (not said.isdisjoint((OTHER, RESUME)) and self._references.was_stopped()):
             meaning = replace(meaning, confidence=min(meaning.confidence, ASK_FROM))
         return replace(meaning, agent=self._owner(meaning.agent, calls), calls=calls)
 
@@ -229,6 +238,8 @@ class DialogueSkills:
                 return self._references.back()
             case "further":
                 return self._references.further()
+            case name if name == RESUME:
+                return self._references.resume()
             case name if name == OTHER:
                 return self._references.other()
             case name if name == ALSO:

@@ -82,13 +82,22 @@ def cannot_do(
     found: dict[str, bool] = {}
     clauses = _clauses(text, book)
     for clause in clauses:
-        asked = [*_acts_in(clause, book.code)]
-        if not asked and (behind := _acts_behind(clause, book)) and ordered():
-            asked = behind
+        if _plans(clause, book):
+            asked = _acts(clause, book.code)
+        else:
+            asked = [*_acts_in(clause, book.code)]
+            if not asked and (behind := _acts_behind(clause, book)) and ordered():
+                asked = behind
         wording, name = max(asked, key=lambda one: len(one[0]), default=("", ""))
         if wording and names.isdisjoint(english[name].by) and not _words(wording) <= own:
             found[acts[name].cannot] = len(clauses) > 1 or not english[name].in_place
     return " ".join(found), any(found.values())
+
+
+def _plans(clause: str, book: Phrasebook) -> bool:
+    """True if a clause begins with what its speaker will do: "I need to open the door"."""
+    plans = _whole([plain(one) for one in words_of(book.code).plans], spaced=book.hearing.spaced)
+    return re.match(plans, clause) is not None
 
 
 def _acts_behind(clause: str, book: Phrasebook) -> list[tuple[str, str]]:

@@ -5,12 +5,13 @@
 """
 
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence, Set
 from dataclasses import dataclass
+from enum import Enum
 from functools import cache
 from itertools import pairwise
 
-from edgevox.agent.nlu.decider import Decider, Readings
+from edgevox.agent.nlu.decider import NOT_NOW, Decider, Readings
 from edgevox.agent.nlu.evidence import QUESTION_MARKS
 from edgevox.agent.nlu.lexicon import Lexicon, plain, words_of
 from edgevox.agent.skills import Call
@@ -42,12 +43,16 @@ OTHER = "other"
 LIKELY_ASKED, LIKELY_ALONE = 0.6, 0.8
 """Least likelihood of what a clause asks for, and of that without an amount or a place."""
 
+LIKELY_MORE = 0.7
+"""Least likelihood of an order beside those that were read."""
+
 LIKELY_TALK, PLAINLY_TALK = 0.5, 0.85
 """Least likelihood of a remark beside an order, and of one alone."""
 
 _MARKS = re.compile(
     r"[,;:.!?\u2026\u060c\u061b\u061f\u0964]+(?=\s|$)"
     r"|[\u3001\u3002\uff01\uff0c\uff1f]|\s[-\u2013\u2014]+\s"
+    r"|(?<=[\u3040-\u9fff])[,;:.!?]+(?=[\u3040-\u9fff])"
 )
 _MOST_CLAUSES = 6
 
@@ -98,6 +103,8 @@ class ClauseReader:
             return plain if plain.calls else None
         if self._cannot(clause) or self._readings.unknown_place(clause):
             return None
+        if self._decider.is_for_now(clause) < NOT_NOW or self._decider.leaves(clause):
+            return None
         decision = self._decider.decide(self._readings.of(clause), clause)
         if decision and decision.sure:
             return Clause(decision.calls, sure=False)
@@ -112,11 +119,31 @@ class ClauseReader:
         """True if it asks for nothing and changes nothing of what is asked beside it."""
         kind, likely = self._decider.asked(clause)
         talks = kind == REMARK and likely >= LIKELY_TALK
+        small = self._readings.is_reason(clause) or self._readings.is_urge(clause)
+        if kind in GUESSES and likely >= LIKELY_MORE and not small:
+            return False
         return (
-            (talks or self._readings.is_filler(clause))
+            (talks or small or self._readings.is_filler(clause))
             and not self._cannot(clause)
             and self._readings.is_aside(clause, may_deny=talks)
         )
+
+    def orders_more(self, clause: str, skills: Set[str]) -> bool:
+        """True if a clause without a value most likely orders a motion other than these skills."""
+        kind, likely = self._decider.asked(clause)
+        names = {*GUESSES.get(kind, ())} & self._readings.skills
+        free = skills - {one for some in GUESSES.values() for one in some}
+        if not names or likely < LIKELY_MORE or free or not skills.isdisjoint(names):
+            return False
+        return not (
+            self._readings.has_value(clause)
+            or self._readings.is_reason(clause)
+            or self._readings.is_urge(clause)
+        )
+
+    def is_part(self, clause: str, skills: Collection[str]) -> bool:
+        """True if a clause says something of the calls of these skills, in known words."""
+        return self._readings.is_filler(clause) or self._readings.is_known(clause, skills)
 
 
 def clauses_of(text: str, code: str, more: tuple[str, ...] = ()) -> Sequence[str]:
@@ -184,6 +211,46 @@ def read_apart(
         if found := _read(clauses, reader):
             return found
     return None
+
+
+class Rest(Enum):
+    """What stands beside some calls in a text."""
+
+    NOTHING = "nothing"
+    """Remarks at most."""
+    UNCLEAR = "unclear"
+    """A clause that may change what is wanted: a name, a condition, a change of mind."""
+    ORDER = "order"
+    """Another order."""
+
+
+def rest_of(
+    text: str, code: str, joints: tuple[str, ...], calls: Sequence[Call], reader: ClauseReader
+) -> Rest:
+    """What a text holds beside these calls, clause by clause."""
+    skills = {one.skill for one in calls}
+    for more in ((), (*words_of(code).results, *joints)):
+        clauses = [_unjoined(one, joints, code) for one in clauses_of(text, code, more)]
+        if len(clauses) > 1 and any(reader.orders_more(one, skills) for one in clauses):
+            return Rest.ORDER
+    marked = clauses_of(text, code)
+    if len(marked) == 1:
+        return Rest.NOTHING
+    parts = [reader.is_part(one, skills) for one in marked]
+    for at, clause in enumerate(marked):
+        ends = any(parts[:at]) and find_stop_word(code, clause)
+        if ends or not (parts[at] or reader.is_remark(clause)):
+            return Rest.UNCLEAR
+    return Rest.NOTHING
+
+
+def left_out(
+    text: str, code: str, joints: tuple[str, ...], readings: Readings, decider: Decider
+) -> Set[str]:
+    """The places that a clause of a text wants left: "get out of the kitchen and ..."."""
+    clauses = clauses_of(text, code, (*words_of(code).results, *joints))
+    leaving = (one for one in clauses if readings.named_in(one) and decider.leaves(one))
+    return {place for one in leaving for place in readings.named_in(one)}
 
 
 def _read(clauses: Sequence[str], reader: ClauseReader) -> Clause | None:

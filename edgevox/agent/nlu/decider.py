@@ -4,7 +4,7 @@
 with the encoder's opinion.
 """
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Set
 from dataclasses import dataclass
 from typing import Any
 
@@ -46,6 +46,13 @@ _NAMES = 0.25
 _LEAST_MARGIN = 0.25
 """Least lead in weight over another skill; with less, the words choose neither skill."""
 
+
+NOT_NOW, PERHAPS_NOT_NOW = 0.05, 0.3
+"""Likelihoods of an order for now below which it is neither done nor asked about, and below which
+it is asked about."""
+
+LEAVES, LIKELY_LEFT = "leave", 0.5
+"""The kind of words that want the robot out of a place, and their least likelihood."""
 
 _DOUBTFUL = (ASK_FROM + SURE_FROM) / 2
 """Highest confidence in a doubtful reading: it always asks."""
@@ -168,6 +175,11 @@ class Readings:
         return any(is_denied(text, lexicon) for lexicon, _ in self._readers)
 
     @property
+    def skills(self) -> Set[str]:
+        """The names of the skills."""
+        return self._skills.keys()
+
+    @property
     def lexicon(self) -> Lexicon:
         """The words of the spoken language, with the present names."""
         self._renew()
@@ -175,13 +187,18 @@ class Readings:
 
     def says_little(self, text: str) -> bool:
         """True if the text has words for a small amount: "a bit", but not that of "in a bit"."""
+        return self.without_little(text) is not None
+
+    def without_little(self, text: str) -> str | None:
+        """The words of a text without those for a small amount; None if it has none."""
         lexicon, tokens = self.lexicon, self.lexicon.tokenize(" ".join(text.split()))
         words = lexicon.function_words
         for one in lexicon.outside(words.little, (*words.fillers, *words.put_off), tokens):
             after = next(iter(tokens[one.stop :]), "")
-            if not after.isalpha() or lexicon.knows(after):
-                return True  # "a little", but not that of "a little circle"
-        return False
+            if not after.isalpha() or lexicon.knows(after):  # no "a little" of "a little circle"
+                space = " " if lexicon.book.hearing.spaced else ""
+                return space.join((*tokens[: one.start], *tokens[one.stop :]))
+        return None
 
     def knows(self, text: str) -> bool:
         """True if each word of a text, small ones aside, is used for a motion of these skills."""
@@ -249,6 +266,48 @@ class Readings:
             if denied and (moves or not may_deny):
                 return False
         return True
+
+    def is_known(self, text: str, skills: Collection[str]) -> bool:
+        """True if each word of a clause is known, and a value or a word of these skills is one.
+
+        A clause with a condition is not.
+        """
+        lexicon = self.lexicon
+        tokens, own = _tokens(" ".join(text.split()), lexicon), lexicon.words
+        if next(lexicon.as_written(lexicon.function_words.conditions).find(tokens), None):
+            return False
+        small = lexicon.index(lexicon.function_words.all()).places(tokens)
+        said = [one for at, one in enumerate(tokens) if at not in small and not is_mark(one)]
+        known = all(is_number(one) or lexicon.knows(one) for one in said)
+        return known and any(
+            is_number(one)
+            or lexicon.in_a_name(one)
+            or any(one in own[skill].weights for skill in own.keys() & skills)
+            for one in said
+        )
+
+    def has_value(self, text: str) -> bool:
+        """True if a text has a number, or names a thing or a place of the robot's world."""
+        tokens = _tokens(" ".join(text.split()), self.lexicon)
+        return any(map(is_number, tokens)) or bool(self.named_in(text))
+
+    def named_in(self, text: str) -> Set[str]:
+        """The words of arguments that a text names."""
+        lexicon = self.lexicon
+        names = find_names(lexicon, _tokens(" ".join(text.split()), lexicon))
+        return {word for one in names for word in one.values.values()}
+
+    def is_reason(self, text: str) -> bool:
+        """True if a clause opens a reason: "to see you walk", "I need to get past"."""
+        words = self.lexicon.function_words
+        tokens = _tokens(" ".join(text.split()), self.lexicon)
+        return 0 in self.lexicon.index((*words.reasons, *words.plans)).starts(tokens)
+
+    def is_urge(self, text: str) -> bool:
+        """True if a clause only urges: "go go go"."""
+        tokens = _tokens(" ".join(text.split()), self.lexicon)
+        urges = self.lexicon.index(self.lexicon.function_words.urges).places(tokens)
+        return len(urges) == len(tokens)
 
     def is_filler(self, text: str) -> bool:
         """True if each word of a text may as well be left out."""
@@ -375,13 +434,29 @@ class Decider:
             return None
         order = self._order(text)
         confidence = self._head.confidence(self._head.likelihood(order, judged.evidence))
-        if _is_doubtful(judged, order):
+        now = self.is_for_now(text) if judged.evidence["moves"] else 1.0
+        if now < NOT_NOW:
+            return None
+        if _is_doubtful(judged, order) or now < PERHAPS_NOT_NOW:
             confidence = min(confidence, _DOUBTFUL)
         return Decision(judged.reading.calls, confidence) if confidence >= ASK_FROM else None
 
     def is_order(self, text: str) -> bool:
         """True if the sentence is an order to the hearer, of any content."""
         return self._order(text) > 0
+
+    def is_for_now(self, text: str) -> float:
+        """Likelihood of words about a motion to want it now, and of this robot.
+
+        Others set a condition, put it off, take it back, deny, report or ask about it, want the
+        robot to leave a place, or are said to somebody else.
+        """
+        return float(self._head.meant.likelihoods(self._features(text))[0])
+
+    def leaves(self, text: str) -> bool:
+        """True if the words, a sentence or a clause, most likely want the robot out of a place."""
+        found = [self._head.meant.likeliest(self._features(one)) for one in (text, f"{text}.")]
+        return any(kind == LEAVES and likely >= LIKELY_LEFT for kind, likely in found)
 
     def is_general(self, text: str) -> bool:
         """True if general knowledge answers it: it asks about nothing here and now, nor about the
@@ -391,14 +466,21 @@ class Decider:
 
     def asked(self, text: str) -> tuple[str, float]:
         """What a robot is most likely asked to do by these words alone, and how likely it is."""
-        return self._head.asked(self._features(text))
+        return self._head.asked.likeliest(self._features(text))
+
+    def told(self, text: str) -> tuple[str, float]:
+        """The skill that tells what a sentence most likely asks the robot, and how likely it is.
+
+        It is "none" for any other sentence.
+        """
+        return self._head.told.likeliest(self._features(text))
 
     def small_talk(self, text: str) -> tuple[str, float]:
         """The kind of small talk that the sentence most likely is, and how likely it is.
 
         See `say.talk_*` of a language.
         """
-        return self._head.small_talk(self._features(text))
+        return self._head.talk.likeliest(self._features(text), first=1)
 
     def _order(self, text: str) -> float:
         """The order logit of a sentence."""

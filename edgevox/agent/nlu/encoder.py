@@ -357,12 +357,37 @@ HEAD_FILE = "head.npz"
 
 
 @dataclass(frozen=True, slots=True)
+class KindHead:
+    """A multinomial regression on the encoder's features that tells kinds of sentences apart."""
+
+    kinds: tuple[str, ...]
+    """The kinds; the first one is for none of the others."""
+    weights: Floats
+    """Weights of the encoder's features, shape (kinds, size)."""
+    biases: Floats
+    """Biases, shape (kinds,)."""
+
+    def likelihoods(self, features: Floats) -> Floats:
+        """The likelihood of each kind."""
+        logits = self.weights @ features + self.biases
+        likely = np.exp(logits - logits.max())
+        return np.asarray(likely / likely.sum(), np.float32)
+
+    def likeliest(self, features: Floats, first: int = 0) -> tuple[str, float]:
+        """The likeliest kind from the one at this index on, and how likely it is."""
+        likely = self.likelihoods(features)
+        best = first + int(likely[first:].argmax())
+        return self.kinds[best], float(likely[best])
+
+
+@dataclass(frozen=True, slots=True)
 class Head:
     """Logistic regressions.
 
     One tells orders from other sentences, one judges a reading, and one tells questions about the
-    world in general from those about what is here and now, the speaker and the robot. Two more tell
-    kinds of small talk, and what a sentence asks a robot to do.
+    world in general from those about what is here and now, the speaker and the robot. Three more
+    tell kinds of small talk, what a sentence asks a robot to do, and what to tell; a last one tells
+    orders for now from conditions, reports and the like.
     """
 
     order_weights: Floats
@@ -383,18 +408,14 @@ class Head:
     """Weights of the encoder's features in the third regression, shape (size,)."""
     general_bias: float
     """Bias of the third regression."""
-    talk_kinds: tuple[str, ...]
-    """What the last regression tells apart: nothing of them, and the kinds of small talk."""
-    talk_weights: Floats
-    """Weights of the encoder's features for each of these, shape (kinds, size)."""
-    talk_biases: Floats
-    """Biases of these, shape (kinds,)."""
-    asked_kinds: tuple[str, ...]
-    """What a sentence may ask for: the keys of `training/decision/asked/*.yaml`."""
-    asked_weights: Floats
-    """Weights of the encoder's features for each of these, shape (kinds, size)."""
-    asked_biases: Floats
-    """Biases of these, shape (kinds,)."""
+    talk: KindHead
+    """Tells kinds of small talk: the keys of `training/decision/small_talk.yaml`."""
+    asked: KindHead
+    """Tells what a robot is asked to do: the keys of `training/decision/asked/*.yaml`."""
+    told: KindHead
+    """Tells what a robot is asked to tell: the keys of `training/decision/told/*.yaml`."""
+    meant: KindHead
+    """Tells how words about a motion are meant: the keys of `training/decision/meant/*.yaml`."""
 
     def order(self, features: Floats) -> float:
         """Logit of a sentence to be an order to the hearer."""
@@ -403,18 +424,6 @@ class Head:
     def general(self, features: Floats) -> float:
         """Logit of a sentence to be answered by general knowledge."""
         return float(features @ self.general_weights + self.general_bias)
-
-    def small_talk(self, features: Floats) -> tuple[str, float]:
-        """The kind of small talk that a sentence most likely is, and how likely it is."""
-        likely = _likelihoods(self.talk_weights @ features + self.talk_biases)
-        best = 1 + int(likely[1:].argmax())
-        return self.talk_kinds[best], float(likely[best])
-
-    def asked(self, features: Floats) -> tuple[str, float]:
-        """What a sentence most likely asks for, one of `asked_kinds`, and how likely it does."""
-        likely = _likelihoods(self.asked_weights @ features + self.asked_biases)
-        best = int(likely.argmax())
-        return self.asked_kinds[best], float(likely[best])
 
     def likelihood(self, order: float, evidence: Mapping[str, float]) -> float:
         """Likelihood of a reading to be meant, from 0 to 1."""
@@ -425,12 +434,6 @@ class Head:
         """The likelihood on the scale on which `ASK_FROM` asks and `SURE_FROM` acts."""
         known = (0.0, self.ask, self.sure, 1.0)
         return float(np.interp(likelihood, known, (0.0, ASK_FROM, SURE_FROM, 1.0)))
-
-
-def _likelihoods(logits: Floats) -> Floats:
-    """Softmax."""
-    likely = np.exp(logits - logits.max())
-    return np.asarray(likely / likely.sum(), np.float32)
 
 
 def read_head() -> Head:
@@ -451,10 +454,16 @@ def head_of(data: Mapping[str, Any]) -> Head:
         sure=float(data["sure"]),
         general_weights=np.asarray(data["general_weights"], np.float32),
         general_bias=float(data["general_bias"]),
-        talk_kinds=tuple(map(str, data["talk_kinds"])),
-        talk_weights=np.asarray(data["talk_weights"], np.float32),
-        talk_biases=np.asarray(data["talk_biases"], np.float32),
-        asked_kinds=tuple(map(str, data["asked_kinds"])),
-        asked_weights=np.asarray(data["asked_weights"], np.float32),
-        asked_biases=np.asarray(data["asked_biases"], np.float32),
+        talk=_kind_head(data, "talk"),
+        asked=_kind_head(data, "asked"),
+        told=_kind_head(data, "told"),
+        meant=_kind_head(data, "meant"),
+    )
+
+
+def _kind_head(data: Mapping[str, Any], name: str) -> KindHead:
+    return KindHead(
+        tuple(map(str, data[f"{name}_kinds"])),
+        np.asarray(data[f"{name}_weights"], np.float32),
+        np.asarray(data[f"{name}_biases"], np.float32),
     )

@@ -8,6 +8,7 @@ sentence is an order; then the robot asks first.
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
+from typing import Literal
 
 from edgevox.agent.agents import Agent, by_name
 from edgevox.agent.known import StateCondition
@@ -20,23 +21,35 @@ from edgevox.agent.llm.language_model import (
 )
 from edgevox.agent.llm.prompt import History, size_tokens
 from edgevox.agent.nlu.abilities import abilities, cannot_do, not_understood
-from edgevox.agent.nlu.apart import Clause, ClauseReader, asks_for_motion, is_taken_back, read_apart
+from edgevox.agent.nlu.apart import (
+    Clause,
+    ClauseReader,
+    Rest,
+    asks_for_motion,
+    clauses_of,
+    is_taken_back,
+    left_out,
+    read_apart,
+    rest_of,
+)
 from edgevox.agent.nlu.decider import Decider, Decision, Readings
 from edgevox.agent.nlu.disfluencies import fluent
 from edgevox.agent.nlu.hearing.hypotheses import breaks_off, is_contested, is_same, likeliest
 from edgevox.agent.nlu.hearing.near import NearCommands
 from edgevox.agent.nlu.hearing.sounds import Phonemes
 from edgevox.agent.nlu.lexicon import words_of
-from edgevox.agent.nlu.meaning import ASK_FROM, HEARD_FROM, Meaning, Program
+from edgevox.agent.nlu.meaning import ASK_FROM, BACK, HEARD_FROM, REFERENCES, Meaning, Program
 from edgevox.agent.nlu.model_answer import ANSWER_TOKENS, LEAST_LIKELY, CheckedAnswer, say_by
 from edgevox.agent.nlu.order_reader import NO_CONDITIONS, ProgramReader, Read, Unclear
 from edgevox.agent.nlu.questions import (
+    LIKELY_TOLD,
     MOST_STRANGE,
     WorldWords,
     asks,
     asks_whether,
     cued,
     is_about_hearer,
+    question_about,
     question_of,
 )
 from edgevox.agent.nlu.remainder import may_ask_whether
@@ -58,10 +71,6 @@ log = get_logger(__name__)
 
 MAX_HANDOFFS = 3
 """Number of hand-overs of one utterance; no agent gets it twice."""
-
-BACK = "go_back"
-"""Name of the dialogue skill that leads back to where the last motion began."""
-
 
 _SPOKEN = (Outcome.ANSWERED, Outcome.INTERRUPTED)
 
@@ -187,9 +196,15 @@ class Interpreter:
 
     def _judged(self, text: str, turn: Turn, *, refused: bool) -> Meaning | None:
         """The judged reading; none that only guesses where something better can be said."""
-        meaning = self._without_acts(self._read(text), text, turn)
+        meaning = self._without_left(self._without_acts(self._read(text), text, turn), text)
+        judged = self._readings[meaning.agent.name].of(text) if meaning else None
+        if meaning and judged and not judged.reading.corrected:
+            match self._rest_of(text, meaning):
+                case Rest.ORDER:
+                    return None
+                case Rest.UNCLEAR:
+                    return replace(meaning, confidence=ASK_FROM)
         if meaning and self._only_guesses(meaning):
-            judged = self._readings[meaning.agent.name].of(text)
             strange = judged is not None and judged.evidence["share_strange"] > MOST_STRANGE[0]
             else_asked = self._decider is not None and asks_for_motion(text, self._decider)
             if refused or strange or else_asked or self._small_talk(text):
@@ -198,25 +213,50 @@ class Interpreter:
                 return None
         return meaning
 
+    def _without_left(self, meaning: Meaning | None, text: str) -> Meaning | None:
+        """The reading without drives to places that the words want left; None if none remains."""
+        if meaning is None or self._decider is None or not _drives(meaning):
+            return meaning
+        if len(meaning.calls) == 1 and self._decider.leaves(text):
+            return None
+        readings, joints = self._readings[meaning.agent.name], self.phrases.hearing.joints
+        left = left_out(text, self._code, joints, readings, self._decider)
+        calls = tuple(c for c in meaning.calls if left.isdisjoint(map(str, c.arguments.values())))
+        return replace(meaning, calls=calls) if calls else None
+
     def _apart(self, text: str) -> Meaning | None:
         """The motions that the clauses of a text order; what is guessed of them is asked about."""
+        clauses = self._clauses()
+        if clauses is None:
+            return None
+        found = read_apart(text, self._code, self.phrases.hearing.joints, clauses)
+        if found is None:
+            return None
+        meaning = Meaning(self.active, found.calls, "reading", 1.0 if found.sure else ASK_FROM)
+        if _goes_back_from_there(meaning):
+            return None
+        return meaning if _drives(meaning) or _refers(meaning) else None
+
+    def _rest_of(self, text: str, meaning: Meaning) -> Rest:
+        """What a text holds beside a sure reading that drives."""
+        clauses = self._clauses() if meaning.sure and _drives(meaning) else None
+        if clauses is None:
+            return Rest.NOTHING
+        return rest_of(text, self._code, self.phrases.hearing.joints, meaning.calls, clauses)
+
+    def _clauses(self) -> ClauseReader | None:
+        """What reads single clauses for the active agent; None without a decider."""
         if self._decider is None:
             return None
-        agent = self.active
-        clauses = ClauseReader(
-            self._decider,
-            self._readings[agent.name],
-            self._drives_by,
-            lambda one: self._cannot(one)[0],
+        readings = self._readings[self.active.name]
+        return ClauseReader(
+            self._decider, readings, self._drives_by, lambda one: self._cannot(one)[0]
         )
-        found = read_apart(text, self._code, self.phrases.hearing.joints, clauses)
-        meaning = found and Meaning(agent, found.calls, "reading", 1.0 if found.sure else ASK_FROM)
-        return meaning if meaning and _drives(meaning) else None
 
     def _drives_by(self, text: str) -> Clause | None:
         """A plain command that drives; without calls if it is refused or drives nothing."""
         plain = self.plain(text)
-        if isinstance(plain, Meaning) and _drives(plain):
+        if isinstance(plain, Meaning) and (_drives(plain) or _refers(plain)):
             return Clause(plain.calls, plain.sure)
         return None if plain is None else Clause((), sure=False)
 
@@ -228,6 +268,8 @@ class Interpreter:
         whether, general = asks_whether(text, self._code), self._is_general(text)
         cannot = "" if general else self._cannot(text)[0]
         least = CHATS_PLAINLY if general else CHATS
+        if not (whether or general or cannot) and (told := self._told(text)):
+            return self._taken(told, turn)
         if not cannot and (talk := self._small_talk(text, least)):
             turn.say(talk)
             return None
@@ -257,9 +299,22 @@ class Interpreter:
         Words as they were said come first: a name may hold what sounds like a slip.
         """
         found, smooth = self._plainly(text), fluent(text, self._code)
-        if smooth == text or (isinstance(found, Meaning) and found.sure):
+        if isinstance(found, Meaning) and found.sure:
             return found
-        return self._plainly(smooth) or found
+        found = (self._plainly(smooth) if smooth != text else None) or found
+        if isinstance(found, Meaning) and found.sure:
+            return found
+        return self._plainly_a_little(smooth) or found
+
+    def _plainly_a_little(self, text: str) -> Meaning | None:
+        """The motion by a small amount that a text plainly asks for: "back up a bit"."""
+        agent = self.active
+        rest = self._readings[agent.name].without_little(text)
+        found = self._recognisers[agent.name].recognise(rest) if rest else None
+        if not isinstance(found, Understood) or found.unsure:
+            return None
+        little = all(agent.every_skill[c.skill].little and not c.arguments for c in found.calls)
+        return Meaning(agent, found.calls, "template", 1.0) if little else None
 
     def _plainly(self, text: str) -> Meaning | RefusedCommand | None:
         for agent in self._active_first():
@@ -358,18 +413,34 @@ class Interpreter:
 
     def _asked(self, text: str) -> Meaning | None:
         """The question to the robot that the words most likely ask, though no template fits."""
+        told = self._told(text)
+        if told is not None:
+            return told or None
         for agent in self._active_first():
             judged = self._questions[agent.name].of(text)
             if call := question_of(judged, text, self._code):
                 return Meaning(agent, (call,), "reading", ASK_FROM)
         return None
 
+    def _told(self, text: str) -> Meaning | Literal[False] | None:
+        """The question to the robot by the encoder: False for none, None if it is not sure."""
+        kind, likely = self._decider.told(text) if self._decider else ("", 0.0)
+        if likely < LIKELY_TOLD:
+            return None
+        for agent in self._active_first():
+            if call := question_about(kind, text, self._questions[agent.name].lexicon):
+                return Meaning(agent, (call,), "reading", ASK_FROM)
+        return False
+
     def _cued(self, text: str) -> Meaning | None:
-        """The question to the robot whose own words are said."""
+        """The question to the robot whose own words are said, unless another is far likelier."""
         general = partial(self._decider.is_general, text) if self._decider else lambda: False
+        first, *others = clauses_of(text, self._code, self.phrases.hearing.joints) or [text]
+        if self._decider and others and asks_for_motion(first, self._decider):
+            return None  # "go to the kitchen and tell me how far it was"
         for agent in self._active_first():
             if call := cued(text, self._questions[agent.name].lexicon, general):
-                return Meaning(agent, (call,), "reading", ASK_FROM)
+                return self._told(text) or Meaning(agent, (call,), "reading", ASK_FROM)
         return None
 
     def as_heard(self, meaning: Meaning, text: str, turn: Turn) -> Meaning:
@@ -634,6 +705,10 @@ class Interpreter:
 
 def _drives(meaning: Meaning) -> bool:
     return any(meaning.agent.every_skill[call.skill].drives for call in meaning.calls)
+
+
+def _refers(meaning: Meaning) -> bool:
+    return all(call.skill in REFERENCES for call in meaning.calls)
 
 
 def _acts(meaning: Meaning) -> bool:

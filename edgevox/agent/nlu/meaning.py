@@ -166,6 +166,12 @@ def moves(program: Program, skills: SkillSet) -> bool:
 ASK_FROM, SURE_FROM = 0.5, 0.8
 """Confidences from which on the robot asks, and acts without asking; below both it does nothing."""
 
+BACK = "go_back"
+"""Name of the dialogue skill that leads back to where the last motion began."""
+OTHER, RESUME = "the_other", "resume"
+REFERENCES = ("again", BACK, "further", RESUME, OTHER)
+"""Names of the dialogue skills that refer to a motion before."""
+
 HEARD_FROM = 0.8
 """Product of the confidences of hearing and of meaning below which the robot asks before a motion.
 Of 1,152 commands by the tuning voices (`training/acoustics`), in noise at 10, 5 and 0 dB, no wrong

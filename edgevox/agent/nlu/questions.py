@@ -20,11 +20,15 @@ from edgevox.agent.text.spelling import NUMBER, key
 from edgevox.agent.text.words import spoken_name
 from edgevox.core.languages import LANGUAGES
 
+_LEAST_SAID = 0.4
+"""Least weight of a word for the question that the encoder takes a text for."""
 _LEAST_TOLD = 4.0, 2.8
 """Least weight of the words for a question that names nothing of the robot's world, and for one
 that does."""
 _LEAST_LEAD = 2.0, 1.0
 """Least lead in weight over another question, for either."""
+LIKELY_TOLD = 0.6
+"""Least likelihood of a question to the robot, by the encoder alone."""
 MOST_STRANGE = 0.17, 0.25
 """Largest share of unknown words in either: "how fast is light" is no question to the robot."""
 _MOST_STRANGE_SIGNS = 0.5
@@ -44,6 +48,25 @@ def question_of(judged: Judged | None, text: str, code: str) -> Call | None:
     known = facts["share_strange"] <= MOST_STRANGE[named] and not facts["strange_unfilled"]
     clear = part.support - part.rival >= _LEAST_LEAD[named] and not facts["denied"]
     return part.call if told and known and clear else None
+
+
+def question_about(kind: str, text: str, lexicon: Lexicon) -> Call | None:
+    """The question of this kind, a skill that tells something, with the names in a text.
+
+    None for a text that asks nothing or has no word of such a question, and if a name is missing,
+    or one is no value of it.
+    """
+    one, code = lexicon.skills.get(kind), lexicon.book.code
+    if one is None or not (asks(text, code) or _opens_a_clause(text, words_of(code).talking, code)):
+        return None
+    tokens = lexicon.tokenize(digits(" ".join(text.split()), code))
+    names, weights = find_names(lexicon, tokens), lexicon.words[kind].weights
+    used = all(any(skill == kind for skill, _ in name.values) for name in names)
+    small = lexicon.index(words_of(code).all()).places(tokens)
+    said = names or any(
+        weights.get(word, 0.0) >= _LEAST_SAID for at, word in enumerate(tokens) if at not in small
+    )
+    return _call(one, names) if used and said else None
 
 
 def cued(text: str, lexicon: Lexicon, general: Callable[[], bool] = lambda: False) -> Call | None:
@@ -192,13 +215,25 @@ _SLOT = re.compile(r"\{\w+\}")
 
 
 def asks(text: str, code: str) -> bool:
-    """True if the text has a question mark or begins with a question word, and asks for no act."""
+    """True if the text has a question mark or begins with a question word, and asks for no act.
+
+    "Honey, can you get me some water?" asks for one: small words may stand before that.
+    """
     words, said = words_of(code), f"{plain(text)} "
     wishes = (*words.asking, *words.abilities, *words.wishes)
-    if any(said.startswith(f"{plain(one)} ") for one in wishes):
+    if any(said.startswith(f"{plain(one)} ") for one in wishes) or _opens_a_clause(
+        _without_address(text, code), wishes, code
+    ):
         return False
     asks = any(mark in text for mark in QUESTION_MARKS)
     return asks or any(said.startswith(f"{plain(one)} ") for one in words.questions)
+
+
+def _without_address(text: str, code: str) -> str:
+    """The text without small words that a mark parts from what follows: "honey, ..."."""
+    small = {key(one) for one in words_of(code).fillers}
+    first, mark, rest = text.partition(",")
+    return rest if mark and key(first).strip() in small else text
 
 
 def asks_whether(text: str, code: str) -> bool:

@@ -10,11 +10,11 @@ from edgevox.agent.dialogue.skills import (
     ALSO,
     DIALOGUE_SKILLS,
     OF_DIALOGUE,
-    REFERENCES,
     DialogueSkills,
 )
 from edgevox.agent.known import Known
 from edgevox.agent.llm.calls import Protocol
+from edgevox.agent.nlu.meaning import REFERENCES
 from edgevox.agent.nlu.templates import Recogniser, Understood
 from edgevox.agent.phrases.load import ENGLISH, phrasebook
 from edgevox.agent.stop.words import SafetyWords
