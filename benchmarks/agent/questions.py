@@ -117,6 +117,15 @@ class Robot:
             time.sleep(0.002)
         return self._seen[before:]
 
+    def is_stop(self, text: str) -> bool:
+        """True if these words stop it."""
+        return bool(self._parts.conversation.is_stop(text))
+
+    def drives(self, skill: str) -> bool:
+        """True if this skill of it moves it."""
+        skills = self._parts.conversation.interpreter.active.every_skill
+        return skill in skills and skills[skill].drives
+
     def _harm(self, seen: Sequence[Any], *, moving: bool) -> str:
         if any(isinstance(one, Confirmation) for one in seen):
             return "it asked"

@@ -139,6 +139,10 @@ BENCHMARKS: Mapping[str, Benchmark] = {
         "benchmarks.agent.own_words",
         "orders in people's own words, as a language model wrote them: done, asked about, or not",
     ),
+    "restraint": Benchmark(
+        "benchmarks.agent.restraint",
+        "sentences that must not move a robot at once, or only so, and that must stop it",
+    ),
     "questions": Benchmark(
         "benchmarks.agent.questions",
         "questions to three robots about themselves and their world, answered rightly",
