@@ -109,14 +109,27 @@ class ClauseReader:
         if decision and decision.sure:
             return Clause(decision.calls, sure=False)
         kind, likely = self._decider.asked(clause)
-        skills = GUESSES.get(kind, ()) if likely >= LIKELY_ASKED else ()
+        filler = self._readings.is_filler(clause)
+        skills = GUESSES.get(kind, ()) if likely >= LIKELY_ASKED and not filler else ()
         call = self._readings.whole(clause, skills)
         if call and (call.arguments or likely >= LIKELY_ALONE):
             return Clause((call,), sure=False, guessed=True)
         return Clause(decision.calls, sure=False, guessed=True) if decision else None
 
-    def is_remark(self, clause: str) -> bool:
-        """True if it asks for nothing and changes nothing of what is asked beside it."""
+    def with_amount(self, before: str, clause: str, read: Clause) -> Clause | None:
+        """A clause whose calls say no amount, with the one that this clause is; else None.
+
+        "Back up, I'd say, 30 centimetres".
+        """
+        bare = not any(call.arguments for call in read.calls)
+        plain = self._plain(f"{before} {clause}") if self._readings.is_amount(clause) else None
+        return plain if bare and plain and plain.calls else None
+
+    def is_remark(self, clause: str, *, opens: bool) -> bool:
+        """True if it asks for nothing and changes nothing of what is asked beside it.
+
+        It `opens` the text if nothing was asked before it.
+        """
         kind, likely = self._decider.asked(clause)
         talks = kind == REMARK and likely >= LIKELY_TALK
         small = self._readings.is_reason(clause) or self._readings.is_urge(clause)
@@ -125,7 +138,7 @@ class ClauseReader:
         return (
             (talks or small or self._readings.is_filler(clause))
             and not self._cannot(clause)
-            and self._readings.is_aside(clause, may_deny=talks)
+            and self._readings.is_aside(clause, may_deny=talks, opens=opens)
         )
 
     def orders_more(self, clause: str, skills: Set[str]) -> bool:
@@ -239,7 +252,8 @@ def rest_of(
     parts = [reader.is_part(one, skills) for one in marked]
     for at, clause in enumerate(marked):
         ends = any(parts[:at]) and find_stop_word(code, clause)
-        if ends or not (parts[at] or reader.is_remark(clause)):
+        remark = parts[at] or reader.is_remark(clause, opens=not any(parts[:at]))
+        if ends or not remark:
             return Rest.UNCLEAR
     return Rest.NOTHING
 
@@ -257,10 +271,14 @@ def _read(clauses: Sequence[str], reader: ClauseReader) -> Clause | None:
     if not 0 < len(clauses) <= _MOST_CLAUSES:
         return None
     found: list[Clause] = []
+    before = ""
     for one in clauses:
-        if clause := reader.read(one):
+        if before and (more := reader.with_amount(before, one, found[-1])):
+            found[-1] = more
+        elif clause := reader.read(one):
             found.append(clause)
-        elif not reader.is_remark(one):
+            before = one
+        elif not reader.is_remark(one, opens=not found):
             return None
     calls = tuple(call for one in found for call in one.calls)
     if not calls or (len(found) > 1 and any(one.guessed for one in found)):

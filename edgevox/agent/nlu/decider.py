@@ -242,10 +242,11 @@ class Readings:
             found.add("changed")
         return frozenset(found)
 
-    def is_aside(self, text: str, *, may_deny: bool) -> bool:
+    def is_aside(self, text: str, *, may_deny: bool, opens: bool = False) -> bool:
         """True if no word of a clause counts, names, conditions, corrects or puts off anything.
 
-        A clause that `may_deny` may hold a denial, but no word of a motion then.
+        A clause that `may_deny` may hold a denial, but no word of a motion then. One that `opens`
+        a text has nothing before it to correct: "sorry, ...".
         """
         self._renew()
         for lexicon, _ in self._readers:
@@ -259,7 +260,7 @@ class Readings:
                 return False
             if next(lexicon.as_written(against).find(tokens), None):
                 return False
-            if lexicon.index(words.corrections).starts(tokens) & {0, 1}:
+            if not opens and lexicon.index(words.corrections).starts(tokens) & {0, 1}:
                 return False
             denied = bool(lexicon.index(denying).starts(tokens))
             moves = any(speaks_of_motion(one, lexicon) for one in tokens)
@@ -302,6 +303,24 @@ class Readings:
         words = self.lexicon.function_words
         tokens = _tokens(" ".join(text.split()), self.lexicon)
         return 0 in self.lexicon.index((*words.reasons, *words.plans)).starts(tokens)
+
+    def is_amount(self, text: str) -> bool:
+        """True if a clause is only a number and a unit: "30 centimetres"."""
+        words, tokens = self.lexicon.function_words, _tokens(" ".join(text.split()), self.lexicon)
+        units = {
+            word
+            for one in self.lexicon.words.values()
+            for word in (*one.measures, *(unit for some in one.units.values() for unit in some))
+        }
+        small = self.lexicon.index((*words.fillers, *words.urges)).places(tokens)
+        said = [one for at, one in enumerate(tokens) if at not in small]
+        numbers = [one for one in said if is_number(one)]
+        return len(numbers) == 1 and units.issuperset({*said} - {*numbers})
+
+    def speaks(self, text: str) -> bool:
+        """True if a word of a text speaks for a motion, or names a value of one."""
+        tokens = _tokens(" ".join(text.split()), self.lexicon)
+        return any(speaks_of_motion(one, self.lexicon) for one in tokens) or self.has_value(text)
 
     def is_urge(self, text: str) -> bool:
         """True if a clause only urges: "go go go"."""

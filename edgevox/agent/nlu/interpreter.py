@@ -427,6 +427,8 @@ class Interpreter:
         kind, likely = self._decider.told(text) if self._decider else ("", 0.0)
         if likely < LIKELY_TOLD:
             return None
+        if self._orders_beside(text):
+            return False
         for agent in self._active_first():
             if call := question_about(kind, text, self._questions[agent.name].lexicon):
                 return Meaning(agent, (call,), "reading", ASK_FROM)
@@ -435,13 +437,22 @@ class Interpreter:
     def _cued(self, text: str) -> Meaning | None:
         """The question to the robot whose own words are said, unless another is far likelier."""
         general = partial(self._decider.is_general, text) if self._decider else lambda: False
-        first, *others = clauses_of(text, self._code, self.phrases.hearing.joints) or [text]
-        if self._decider and others and asks_for_motion(first, self._decider):
-            return None  # "go to the kitchen and tell me how far it was"
         for agent in self._active_first():
             if call := cued(text, self._questions[agent.name].lexicon, general):
-                return self._told(text) or Meaning(agent, (call,), "reading", ASK_FROM)
+                told = self._told(text) or Meaning(agent, (call,), "reading", ASK_FROM)
+                return None if self._orders_beside(text) else told
         return None
+
+    def _orders_beside(self, text: str) -> bool:
+        """True if a clause beside a question orders a motion: "go to the kitchen and tell ..."."""
+        if self._decider is None:
+            return False
+        clauses = clauses_of(text, self._code, self.phrases.hearing.joints)
+        return len(clauses) > 1 and any(
+            self._decider.is_order(one) and asks_for_motion(one, self._decider)
+            for one in clauses
+            if not asks(one, self._code)
+        )
 
     def as_heard(self, meaning: Meaning, text: str, turn: Turn) -> Meaning:
         """The meaning of a text, unsure if it was hardly heard or another order is as likely."""
@@ -621,7 +632,8 @@ class Interpreter:
     def _say_not_understood(self, text: str, turn: Turn) -> None:
         """Say that the robot does not do that, has no answer, or did not understand."""
         told, can = not_understood(self.phrases, self._every_skill())
-        match reply_to(text, self._code, self._decider):
+        speaks = self._readings[self.active.name].speaks(text)
+        match reply_to(text, self._code, self._decider, speaks=speaks):
             case "no_ability" if not self._world().named_in(text):
                 turn.say(self.phrases.say("no_ability"), Outcome.REFUSED, detail=can)
             case "not_known" | "no_answer" as reply:

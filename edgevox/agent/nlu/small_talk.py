@@ -44,10 +44,11 @@ def small_talk_in(text: str, code: str, decider: Decider, least: float = CHATS) 
     return kind if likely >= CHATS_APART else ""
 
 
-def reply_to(text: str, code: str, decider: Decider | None) -> str:
+def reply_to(text: str, code: str, decider: Decider | None, *, speaks: bool) -> str:
     """The key of the sentence that answers a text which nothing else answers; empty for none.
 
-    It is an order that no skill does, a question, or only a remark.
+    It is an order that no skill does, a question, or only a remark. An order that `speaks` of no
+    motion is none that a skill does.
     """
     kind, likely = decider.asked(text) if decider else ("", 0.0)
     orders = kind == OTHER and likely >= PLAINLY_OTHER
@@ -55,6 +56,8 @@ def reply_to(text: str, code: str, decider: Decider | None) -> str:
         return "no_ability"
     if asks(text, code):
         return "not_known"
+    if decider is not None and not speaks and decider.is_order(text):
+        return "no_ability"
     return "no_answer" if kind == REMARK and likely >= PLAINLY_TALK else ""
 
 
