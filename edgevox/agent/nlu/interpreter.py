@@ -22,6 +22,7 @@ from edgevox.agent.llm.language_model import (
 from edgevox.agent.llm.prompt import History, size_tokens
 from edgevox.agent.nlu.abilities import abilities, cannot_do, not_understood
 from edgevox.agent.nlu.apart import (
+    GUESSES,
     Clause,
     ClauseReader,
     Rest,
@@ -215,7 +216,9 @@ class Interpreter:
 
     def _without_left(self, meaning: Meaning | None, text: str) -> Meaning | None:
         """The reading without drives to places that the words want left; None if none remains."""
-        if meaning is None or self._decider is None or not _drives(meaning):
+        if meaning is None or self._decider is None:
+            return meaning
+        if not any(call.skill in GUESSES["place"] for call in meaning.calls):
             return meaning
         if len(meaning.calls) == 1 and self._decider.leaves(text):
             return None
