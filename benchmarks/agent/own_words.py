@@ -24,7 +24,11 @@ from edgevox.voice.stt.speech_to_text import Transcript
 FILE = Path(__file__).with_name("own_words.yaml")
 ORDERS = "Orders in people's own words"
 OTHERS = "No order, beyond the robot, or not complete"
-HALVES = {"seen": "looked at", "apart": "kept apart"}
+HALVES = {
+    "ordinary": "in ordinary words, looked at",
+    "seen": "looked at",
+    "apart": "kept apart",
+}
 RIGHT, WRONG, NOTHING = (one.value for one in (Outcome.RIGHT, Outcome.WRONG, Outcome.NOTHING))
 ASKED, ELSE = "rightly asked", "asks something else"
 COLUMNS = RIGHT, ASKED, WRONG, ELSE, NOTHING
@@ -55,7 +59,7 @@ def _judged(every: int) -> Measured:
         for one in data[half][::every]:
             became = _became(robots[one["robot"]], one)
             found[became] += 1
-            if half == "seen" and became not in {RIGHT, ASKED, "still"}:
+            if half != "apart" and became not in {RIGHT, ASKED, "still"}:
                 lines.append(f"{one['robot']}: {one['says']}: {became}")
         figures += _figures(half, about, found)
     return Measured(figures=tuple(figures), notes={ORDERS: tuple(lines)})
@@ -77,7 +81,14 @@ def _became(robot: Robot, one: Mapping[str, Any]) -> str:
 
 
 def _are_alike(skills: SkillSet, wanted: Sequence[Call], calls: Sequence[Call]) -> bool:
-    """Whether these are the same calls; "it" is the object of the call before."""
+    """Whether these are the same calls; "it" is the object of the call before.
+
+    "A bit" is no amount in the file, and is the skill's own in a call.
+    """
+    calls = [
+        one if at < len(wanted) and wanted[at].arguments else _without_little(skills, one)
+        for at, one in enumerate(calls)
+    ]
     first, second = whole(skills, tuple(_named(wanted))), whole(skills, tuple(_named(calls)))
     return len(first) == len(second) and all(
         one.skill == other.skill
@@ -85,6 +96,11 @@ def _are_alike(skills: SkillSet, wanted: Sequence[Call], calls: Sequence[Call]) 
         and all(_is_near(one.arguments[key], other.arguments[key]) for key in one.arguments)
         for one, other in zip(first, second, strict=True)
     )
+
+
+def _without_little(skills: SkillSet, call: Call) -> Call:
+    little = skills[call.skill].little
+    return Call(call.skill) if little and dict(call.arguments) == dict(little) else call
 
 
 def _named(calls: Sequence[Call]) -> Iterator[Call]:

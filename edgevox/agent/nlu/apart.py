@@ -141,18 +141,25 @@ class ClauseReader:
             and self._readings.is_aside(clause, may_deny=talks, opens=opens)
         )
 
-    def orders_more(self, clause: str, skills: Set[str]) -> bool:
-        """True if a clause without a value most likely orders a motion other than these skills."""
+    def orders_more(self, clause: str, calls: Sequence[Call]) -> bool:
+        """True if a clause without a value of these calls most likely orders another motion."""
+        skills = {one.skill for one in calls}
         kind, likely = self._decider.asked(clause)
         names = {*GUESSES.get(kind, ())} & self._readings.skills
         free = skills - {one for some in GUESSES.values() for one in some}
         if not names or likely < LIKELY_MORE or free or not skills.isdisjoint(names):
             return False
+        values = {str(value) for one in calls for value in one.arguments.values()}
         return not (
-            self._readings.has_value(clause)
+            self._readings.has_number(clause)
+            or not values.isdisjoint(self._readings.named_in(clause))
             or self._readings.is_reason(clause)
             or self._readings.is_urge(clause)
         )
+
+    def names(self, clause: str) -> bool:
+        """True if it names a thing or a place of the robot's world."""
+        return bool(self._readings.named_in(clause))
 
     def is_part(self, clause: str, skills: Collection[str]) -> bool:
         """True if a clause says something of the calls of these skills, in known words."""
@@ -238,16 +245,26 @@ class Rest(Enum):
 
 
 def rest_of(
-    text: str, code: str, joints: tuple[str, ...], calls: Sequence[Call], reader: ClauseReader
+    text: str,
+    code: str,
+    joints: tuple[str, ...],
+    calls: Sequence[Call],
+    reader: ClauseReader,
+    *,
+    corrected: bool,
 ) -> Rest:
-    """What a text holds beside these calls, clause by clause."""
+    """What a text holds beside these calls, clause by clause.
+
+    A `corrected` text may hold words that it takes back: "not left", but not "take the blue cube".
+    """
     skills = {one.skill for one in calls}
     for more in ((), (*words_of(code).results, *joints)):
         clauses = [_unjoined(one, joints, code) for one in clauses_of(text, code, more)]
-        if len(clauses) > 1 and any(reader.orders_more(one, skills) for one in clauses):
+        asked = [one for one in clauses if reader.orders_more(one, calls)]
+        if len(clauses) > 1 and any(not corrected or reader.names(one) for one in asked):
             return Rest.ORDER
     marked = clauses_of(text, code)
-    if len(marked) == 1:
+    if corrected or len(marked) == 1:
         return Rest.NOTHING
     parts = [reader.is_part(one, skills) for one in marked]
     for at, clause in enumerate(marked):

@@ -287,10 +287,9 @@ class Readings:
             for one in said
         )
 
-    def has_value(self, text: str) -> bool:
-        """True if a text has a number, or names a thing or a place of the robot's world."""
-        tokens = _tokens(" ".join(text.split()), self.lexicon)
-        return any(map(is_number, tokens)) or bool(self.named_in(text))
+    def has_number(self, text: str) -> bool:
+        """True if a text has a number."""
+        return any(map(is_number, _tokens(" ".join(text.split()), self.lexicon)))
 
     def named_in(self, text: str) -> Set[str]:
         """The words of arguments that a text names."""
@@ -320,7 +319,8 @@ class Readings:
     def speaks(self, text: str) -> bool:
         """True if a word of a text speaks for a motion, or names a value of one."""
         tokens = _tokens(" ".join(text.split()), self.lexicon)
-        return any(speaks_of_motion(one, self.lexicon) for one in tokens) or self.has_value(text)
+        speaks = any(is_number(one) or speaks_of_motion(one, self.lexicon) for one in tokens)
+        return speaks or bool(self.named_in(text))
 
     def is_urge(self, text: str) -> bool:
         """True if a clause only urges: "go go go"."""

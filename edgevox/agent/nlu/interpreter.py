@@ -199,8 +199,8 @@ class Interpreter:
         """The judged reading; none that only guesses where something better can be said."""
         meaning = self._without_left(self._without_acts(self._read(text), text, turn), text)
         judged = self._readings[meaning.agent.name].of(text) if meaning else None
-        if meaning and judged and not judged.reading.corrected:
-            match self._rest_of(text, meaning):
+        if meaning and judged:
+            match self._rest_of(text, meaning, corrected=judged.reading.corrected):
                 case Rest.ORDER:
                     return None
                 case Rest.UNCLEAR:
@@ -240,12 +240,13 @@ class Interpreter:
             return None
         return meaning if _drives(meaning) or _refers(meaning) else None
 
-    def _rest_of(self, text: str, meaning: Meaning) -> Rest:
+    def _rest_of(self, text: str, meaning: Meaning, *, corrected: bool) -> Rest:
         """What a text holds beside a sure reading that drives."""
         clauses = self._clauses() if meaning.sure and _drives(meaning) else None
         if clauses is None:
             return Rest.NOTHING
-        return rest_of(text, self._code, self.phrases.hearing.joints, meaning.calls, clauses)
+        joints = self.phrases.hearing.joints
+        return rest_of(text, self._code, joints, meaning.calls, clauses, corrected=corrected)
 
     def _clauses(self) -> ClauseReader | None:
         """What reads single clauses for the active agent; None without a decider."""
