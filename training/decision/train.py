@@ -27,7 +27,7 @@ sys.path.insert(0, str(ROOT / "tests"))
 from corpus_robots import is_right, skills_of_robots
 from corpus_sentences import ROBOTS, Sentence, read_corpus, tuning
 
-from edgevox.agent.nlu.decider import Readings
+from edgevox.agent.nlu.decider import NOW, Readings
 from edgevox.agent.nlu.encoder import ENCODER, HEAD_FILE, Encoder, Floats
 from edgevox.agent.nlu.templates import Recogniser
 from edgevox.agent.stop.words import SafetyWords
@@ -38,8 +38,6 @@ MORE = Path(__file__).with_name("sentences.yaml")
 QUESTIONS = Path(__file__).with_name("questions.yaml")
 SMALL_TALK = Path(__file__).with_name("small_talk.yaml")
 ASKED, TOLD, MEANT = (Path(__file__).with_name(one) for one in ("asked", "told", "meant"))
-NOW = "now"
-"""Orders to do something at once."""
 NO_TALK = "none"
 """Sentences that are no small talk, or ask to tell nothing that a skill does."""
 TALK_WEIGHT = 3.0

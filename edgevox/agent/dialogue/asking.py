@@ -15,7 +15,7 @@ from edgevox.agent.dialogue.question import OpenQuestion, Question
 from edgevox.agent.dialogue.replies import YES_FROM, Replies
 from edgevox.agent.dialogue.skills import DOING, DialogueSkills
 from edgevox.agent.nlu.interpreter import Interpreter
-from edgevox.agent.nlu.meaning import ASK_FROM, OTHER, SURE_FROM, Meaning
+from edgevox.agent.nlu.meaning import ASK_FROM, SURE_FROM, THE_OTHER, Meaning
 from edgevox.agent.nlu.templates import RefusedCommand
 from edgevox.agent.policy import NeedsConfirmation, Rule
 from edgevox.agent.skills import STOP, Call
@@ -415,7 +415,7 @@ class Asking:
 
     def _means_another(self, text: str) -> bool:
         plain = self._interpreter.plain(text)
-        return isinstance(plain, Meaning) and any(call.skill == OTHER for call in plain.calls)
+        return isinstance(plain, Meaning) and any(call.skill == THE_OTHER for call in plain.calls)
 
     def _asks_for_more(self, text: str) -> bool:
         """True if the text is a plain command, and no mere question, nor for "the other one"."""

@@ -2,7 +2,7 @@
 
 The calls follow from the last actions. A reference to something that was stopped, is too long ago
 or could mean two things is not carried out; the person is told what to say instead. Only "carry on"
-means what was stopped, and is asked about.
+means what was stopped; it is always asked about.
 """
 
 from collections.abc import Iterator, Mapping, Sequence

@@ -17,9 +17,9 @@ from edgevox.agent.nlu.abilities import abilities
 from edgevox.agent.nlu.meaning import (
     ASK_FROM,
     BACK,
-    OTHER,
     REFERENCES,
     RESUME,
+    THE_OTHER,
     Again,
     Do,
     Meaning,
@@ -194,7 +194,7 @@ class DialogueSkills:
             turn.write(self._answers.can()[1])
         said = {call.skill for call in meaning.calls}
         unsure = BACK in said and self._references.may_reverse()
-        if unsure or (not said.isdisjoint((OTHER, RESUME)) and self._references.was_stopped()):
+        if unsure or RESUME in said or (THE_OTHER in said and self._references.was_stopped()):
             meaning = replace(meaning, confidence=min(meaning.confidence, ASK_FROM))
         return replace(meaning, agent=self._owner(meaning.agent, calls), calls=calls)
 
@@ -216,6 +216,8 @@ class DialogueSkills:
     def _meant_in_program(self, leaf: Do | Again) -> Program:
         if isinstance(leaf, Again):
             return self._references.last_motion()
+        if {RESUME, THE_OTHER}.intersection(call.skill for call in leaf.calls):
+            raise SkillFailed(because("nothing_before"))  # asked about, so not for later
         return Do(tuple(one for call in leaf.calls for one in self._resolved(call)))
 
     def _refuse(self, error: SkillFailed, turn: Turn) -> None:
@@ -240,7 +242,7 @@ class DialogueSkills:
                 return self._references.further()
             case name if name == RESUME:
                 return self._references.resume()
-            case name if name == OTHER:
+            case name if name == THE_OTHER:
                 return self._references.other()
             case name if name == ALSO:
                 return self._references.also(str(call.arguments["value"]))

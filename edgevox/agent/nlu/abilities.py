@@ -72,7 +72,7 @@ def cannot_do(
 
     "Go to the kitchen and bring me the mug" asks to carry something. In each clause the longest
     wording counts, where it begins; in a text that is `ordered` also behind other words, unless
-    they deny.
+    they deny. What a speaker plans to do counts only in its own wording.
     The second value is False for a text of one clause whose act is done where a thing is, so that
     a place in it is no place to go to: "pause the music in the kitchen".
     """
@@ -96,8 +96,14 @@ def cannot_do(
 
 def _plans(clause: str, book: Phrasebook) -> bool:
     """True if a clause begins with what its speaker will do: "I need to open the door"."""
-    plans = _whole([plain(one) for one in words_of(book.code).plans], spaced=book.hearing.spaced)
-    return re.match(plans, clause) is not None
+    return re.match(_planning(book.code), clause) is not None
+
+
+@cache
+def _planning(code: str) -> str:
+    """A pattern of the words that open a plan of their speaker."""
+    plans = [plain(one) for one in words_of(code).plans]
+    return _whole(plans, spaced=phrasebook(code).hearing.spaced)
 
 
 def _acts_behind(clause: str, book: Phrasebook) -> list[tuple[str, str]]:

@@ -16,6 +16,7 @@ from edgevox.agent.nlu.evidence import QUESTION_MARKS
 from edgevox.agent.nlu.lexicon import Lexicon, plain, words_of
 from edgevox.agent.skills import Call
 from edgevox.agent.stop.words import find_stop_word
+from edgevox.core.languages import LANGUAGES
 
 GUESSES: Mapping[str, tuple[str, ...]] = {
     "place": ("navigate_to",),
@@ -54,7 +55,8 @@ _MARKS = re.compile(
     r"|[\u3001\u3002\uff01\uff0c\uff1f]|\s[-\u2013\u2014]+\s"
     r"|(?<=[\u3040-\u9fff])[,;:.!?]+(?=[\u3040-\u9fff])"
 )
-_MOST_CLAUSES = 6
+MOST_CLAUSES = 6
+"""Number of clauses that a text is taken apart into."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -103,18 +105,24 @@ class ClauseReader:
             return plain if plain.calls else None
         if self._cannot(clause) or self._readings.unknown_place(clause):
             return None
-        if self._decider.is_for_now(clause) < NOT_NOW or self._decider.leaves(clause):
-            return None
         decision = self._decider.decide(self._readings.of(clause), clause)
         if decision and decision.sure:
-            return Clause(decision.calls, sure=False)
+            return self._unless_left(Clause(decision.calls, sure=False), clause)
+        if self._decider.for_now(clause) < NOT_NOW:
+            return None
         kind, likely = self._decider.asked(clause)
         filler = self._readings.is_filler(clause)
         skills = GUESSES.get(kind, ()) if likely >= LIKELY_ASKED and not filler else ()
         call = self._readings.whole(clause, skills)
         if call and (call.arguments or likely >= LIKELY_ALONE):
-            return Clause((call,), sure=False, guessed=True)
-        return Clause(decision.calls, sure=False, guessed=True) if decision else None
+            return self._unless_left(Clause((call,), sure=False, guessed=True), clause)
+        guess = Clause(decision.calls, sure=False, guessed=True) if decision else None
+        return guess and self._unless_left(guess, clause)
+
+    def _unless_left(self, read: Clause, clause: str) -> Clause | None:
+        """The clause, unless it drives to a place that its words want left."""
+        goes = any(call.skill in GUESSES["place"] for call in read.calls)
+        return None if goes and self._decider.leaves(clause) else read
 
     def with_amount(self, before: str, clause: str, read: Clause) -> Clause | None:
         """A clause whose calls say no amount, with the one that this clause is; else None.
@@ -122,14 +130,17 @@ class ClauseReader:
         "Back up, I'd say, 30 centimetres".
         """
         bare = not any(call.arguments for call in read.calls)
-        plain = self._plain(f"{before} {clause}") if self._readings.is_amount(clause) else None
-        return plain if bare and plain and plain.calls else None
+        adds = bare and self._readings.is_amount(clause)
+        plain = self._plain(f"{before} {clause}") if adds else None
+        return plain if plain and plain.calls else None
 
     def is_remark(self, clause: str, *, opens: bool) -> bool:
         """True if it asks for nothing and changes nothing of what is asked beside it.
 
         It `opens` the text if nothing was asked before it.
         """
+        if self._readings.is_bound(clause):
+            return False
         kind, likely = self._decider.asked(clause)
         talks = kind == REMARK and likely >= LIKELY_TALK
         small = self._readings.is_reason(clause) or self._readings.is_urge(clause)
@@ -144,18 +155,18 @@ class ClauseReader:
     def orders_more(self, clause: str, calls: Sequence[Call]) -> bool:
         """True if a clause without a value of these calls most likely orders another motion."""
         skills = {one.skill for one in calls}
-        kind, likely = self._decider.asked(clause)
-        names = {*GUESSES.get(kind, ())} & self._readings.skills
-        free = skills - {one for some in GUESSES.values() for one in some}
-        if not names or likely < LIKELY_MORE or free or not skills.isdisjoint(names):
-            return False
         values = {str(value) for one in calls for value in one.arguments.values()}
-        return not (
-            self._readings.has_number(clause)
+        if (
+            skills - {one for some in GUESSES.values() for one in some}
+            or self._readings.has_number(clause)
             or not values.isdisjoint(self._readings.named_in(clause))
             or self._readings.is_reason(clause)
             or self._readings.is_urge(clause)
-        )
+        ):
+            return False
+        kind, likely = self._decider.asked(clause)
+        names = {*GUESSES.get(kind, ())} & self._readings.skills
+        return bool(names) and likely >= LIKELY_MORE and skills.isdisjoint(names)
 
     def names(self, clause: str) -> bool:
         """True if it names a thing or a place of the robot's world."""
@@ -168,16 +179,22 @@ class ClauseReader:
 
 def clauses_of(text: str, code: str, more: tuple[str, ...] = ()) -> Sequence[str]:
     """The clauses of a text: it is parted at marks, before words that open a reason, and `more`."""
-    before = _opening((*words_of(code).reasons, *more))
+    before = _opening((*words_of(code).reasons, *more), spaced=LANGUAGES[code].spaced)
     pieces = [part.strip() for one in _MARKS.split(text) for part in before.split(one.strip())]
     return [one for one in pieces if plain(one).strip()]
 
 
 @cache
-def _opening(words: tuple[str, ...]) -> re.Pattern[str]:
-    """What stands before any of these words; nothing does without one."""
-    either = "|".join(re.escape(one) for one in sorted(words, key=len)[::-1]) or "(?!)"
-    return re.compile(rf"\s(?=(?:{either})\b)", re.IGNORECASE)
+def _opening(words: tuple[str, ...], *, spaced: bool) -> re.Pattern[str]:
+    """What stands before any of these words; nothing does without one.
+
+    In a language without spaces a word of one sign may be a part of another one.
+    """
+    said = [one for one in sorted(words, key=len)[::-1] if spaced or len(one) > 1]
+    either = "|".join(map(re.escape, said)) or "(?!)"
+    ends = r"(?![\w\u0900-\u097f])"
+    opens = rf"\s(?=(?:{either}){ends})" if spaced else rf"(?<=.)(?={either})"
+    return re.compile(opens, re.IGNORECASE)
 
 
 def is_taken_back(text: str, lexicon: Lexicon) -> bool:
@@ -207,8 +224,9 @@ def is_taken_back(text: str, lexicon: Lexicon) -> bool:
 
 def _unjoined(clause: str, joints: Sequence[str], code: str) -> str:
     """The clause without the word that joins it to the one before: "then forward", "so go"."""
+    space = " " if LANGUAGES[code].spaced else ""
     for one in sorted((*joints, *words_of(code).results), key=len)[::-1]:
-        if clause.casefold().startswith(f"{one} "):
+        if clause.casefold().startswith(f"{one}{space}") and (space or len(one) > 1):
             return clause[len(one) :].strip()
     return clause
 
@@ -260,8 +278,12 @@ def rest_of(
     skills = {one.skill for one in calls}
     for more in ((), (*words_of(code).results, *joints)):
         clauses = [_unjoined(one, joints, code) for one in clauses_of(text, code, more)]
-        asked = [one for one in clauses if reader.orders_more(one, calls)]
-        if len(clauses) > 1 and any(not corrected or reader.names(one) for one in asked):
+        if len(clauses) == 1:
+            continue
+        if len(clauses) > MOST_CLAUSES:
+            return Rest.UNCLEAR
+        asked = (one for one in clauses if reader.orders_more(one, calls))
+        if any(not corrected or reader.names(one) for one in asked):
             return Rest.ORDER
     marked = clauses_of(text, code)
     if corrected or len(marked) == 1:
@@ -285,7 +307,7 @@ def left_out(
 
 
 def _read(clauses: Sequence[str], reader: ClauseReader) -> Clause | None:
-    if not 0 < len(clauses) <= _MOST_CLAUSES:
+    if not 0 < len(clauses) <= MOST_CLAUSES:
         return None
     found: list[Clause] = []
     before = ""

@@ -4,6 +4,7 @@
 with the encoder's opinion.
 """
 
+import threading
 from collections.abc import Collection, Mapping, Set
 from dataclasses import dataclass
 from typing import Any
@@ -32,8 +33,8 @@ from edgevox.agent.phrases.own_names import phrasebook_of
 from edgevox.agent.skills import Call, Skill, SkillSet
 from edgevox.agent.text.spelling import key
 
-_MOST_READ = 32
-"""Number of texts whose features a decider keeps: a sentence's and its clauses'."""
+_MOST_READ = 128
+"""Number of texts whose features a decider keeps: those of a few sentences and their clauses."""
 
 _SAYS_AN_ABILITY = 2.0
 """Least weight of the words for a motion that "can you ..." asks for, and not about."""
@@ -51,8 +52,11 @@ NOT_NOW, PERHAPS_NOT_NOW = 0.05, 0.3
 """Likelihoods of an order for now below which it is neither done nor asked about, and below which
 it is asked about."""
 
-LEAVES, LIKELY_LEFT = "leave", 0.5
-"""The kind of words that want the robot out of a place, and their least likelihood."""
+NOW, LEAVES = "now", "leave"
+"""The kinds of words for now, and of those that want the robot out of a place."""
+
+LIKELY_LEFT = 0.5
+"""Least likelihood of words that want the robot out of a place."""
 
 _DOUBTFUL = (ASK_FROM + SURE_FROM) / 2
 """Highest confidence in a doubtful reading: it always asks."""
@@ -111,6 +115,7 @@ class Readings:
         self._skills = SkillSet(one for one in skills.values() if not one.plainly)
         self._language = language
         self._words: Any = None
+        self._lock = threading.Lock()
         self._readers: list[tuple[Lexicon, CallReader]] = []
 
     def of(self, text: str) -> Judged | None:
@@ -242,7 +247,7 @@ class Readings:
             found.add("changed")
         return frozenset(found)
 
-    def is_aside(self, text: str, *, may_deny: bool, opens: bool = False) -> bool:
+    def is_aside(self, text: str, *, may_deny: bool, opens: bool) -> bool:
         """True if no word of a clause counts, names, conditions, corrects or puts off anything.
 
         A clause that `may_deny` may hold a denial, but no word of a motion then. One that `opens`
@@ -298,10 +303,17 @@ class Readings:
         return {word for one in names for word in one.values.values()}
 
     def is_reason(self, text: str) -> bool:
-        """True if a clause opens a reason: "to see you walk", "I need to get past"."""
-        words = self.lexicon.function_words
+        """True if a clause opens a reason ("to see you walk", "I need to get past"), no bound."""
+        words, opens = self.lexicon.function_words, self._opens
+        return opens(text, (*words.reasons, *words.plans)) and not opens(text, words.until)
+
+    def is_bound(self, text: str) -> bool:
+        """True if a clause opens what bounds a motion: "until you reach the door"."""
+        return self._opens(text, self.lexicon.function_words.until)
+
+    def _opens(self, text: str, phrases: tuple[str, ...]) -> bool:
         tokens = _tokens(" ".join(text.split()), self.lexicon)
-        return 0 in self.lexicon.index((*words.reasons, *words.plans)).starts(tokens)
+        return 0 in self.lexicon.index(phrases).starts(tokens)
 
     def is_amount(self, text: str) -> bool:
         """True if a clause is only a number and a unit: "30 centimetres"."""
@@ -425,6 +437,10 @@ class Readings:
 
     def _renew(self) -> None:
         """Rebuild the readers if the words of arguments have changed: places are learned."""
+        with self._lock:
+            self._renew_locked()
+
+    def _renew_locked(self) -> None:
         words = self._skills.words()
         if words != self._words:
             codes = dict.fromkeys((self._language, ENGLISH))
@@ -453,7 +469,7 @@ class Decider:
             return None
         order = self._order(text)
         confidence = self._head.confidence(self._head.likelihood(order, judged.evidence))
-        now = self.is_for_now(text) if judged.evidence["moves"] else 1.0
+        now = self.for_now(text) if judged.evidence["moves"] else 1.0
         if now < NOT_NOW:
             return None
         if _is_doubtful(judged, order) or now < PERHAPS_NOT_NOW:
@@ -464,18 +480,20 @@ class Decider:
         """True if the sentence is an order to the hearer, of any content."""
         return self._order(text) > 0
 
-    def is_for_now(self, text: str) -> float:
+    def for_now(self, text: str) -> float:
         """Likelihood of words about a motion to want it now, and of this robot.
 
         Others set a condition, put it off, take it back, deny, report or ask about it, want the
         robot to leave a place, or are said to somebody else.
         """
-        return float(self._head.meant.likelihoods(self._features(text))[0])
+        meant = self._head.meant
+        return float(meant.likelihoods(self._features(text))[meant.kinds.index(NOW)])
 
     def leaves(self, text: str) -> bool:
         """True if the words, a sentence or a clause, most likely want the robot out of a place."""
-        found = [self._head.meant.likeliest(self._features(one)) for one in (text, f"{text}.")]
-        return any(kind == LEAVES and likely >= LIKELY_LEFT for kind, likely in found)
+        written = text.rstrip(" .!") + "."  # as the head has learned them
+        kind, likely = self._head.meant.likeliest(self._features(written))
+        return kind == LEAVES and likely >= LIKELY_LEFT
 
     def is_general(self, text: str) -> bool:
         """True if general knowledge answers it: it asks about nothing here and now, nor about the
@@ -509,7 +527,7 @@ class Decider:
         """The encoder's features; a few are kept, since several callers ask for a sentence's."""
         if text not in self._read:
             if len(self._read) >= _MOST_READ:
-                self._read.clear()
+                del self._read[next(iter(self._read))]
             self._read[text] = self._encoder.features(text)
         return self._read[text]
 

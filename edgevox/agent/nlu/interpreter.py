@@ -8,7 +8,6 @@ sentence is an order; then the robot asks first.
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
-from typing import Literal
 
 from edgevox.agent.agents import Agent, by_name
 from edgevox.agent.known import StateCondition
@@ -23,6 +22,7 @@ from edgevox.agent.llm.prompt import History, size_tokens
 from edgevox.agent.nlu.abilities import abilities, cannot_do, not_understood
 from edgevox.agent.nlu.apart import (
     GUESSES,
+    MOST_CLAUSES,
     Clause,
     ClauseReader,
     Rest,
@@ -142,13 +142,12 @@ class Interpreter:
         """The meaning, with what "a bit" stands for where no amount was said."""
         skills = meaning.agent.skills
         little = {name: one.little for name, one in skills.items() if one.little}
-        calls = tuple(
-            one if one.arguments or one.skill not in little else Call(one.skill, little[one.skill])
-            for one in meaning.calls
-        )
-        if calls == meaning.calls or not self._readings[meaning.agent.name].says_little(text):
+        bare = [one for one in meaning.calls if not one.arguments and one.skill in little]
+        if not bare or not self._readings[meaning.agent.name].says_little(text):
             return meaning
-        return replace(meaning, calls=calls)
+        calls = tuple(Call(o.skill, little[o.skill]) if o in bare else o for o in meaning.calls)
+        sure = meaning.confidence if len(meaning.calls) == 1 else min(meaning.confidence, ASK_FROM)
+        return replace(meaning, calls=calls, confidence=sure)
 
     def _understood(self, text: str, turn: Turn) -> Meaning | None:
         plain = self.plain(text)
@@ -197,7 +196,7 @@ class Interpreter:
 
     def _judged(self, text: str, turn: Turn, *, refused: bool) -> Meaning | None:
         """The judged reading; none that only guesses where something better can be said."""
-        meaning = self._without_left(self._without_acts(self._read(text), text, turn), text)
+        meaning = self._without_acts(self._without_left(self._read(text), text), text, turn)
         judged = self._readings[meaning.agent.name].of(text) if meaning else None
         if meaning and judged:
             match self._rest_of(text, meaning, corrected=judged.reading.corrected):
@@ -229,38 +228,45 @@ class Interpreter:
 
     def _apart(self, text: str) -> Meaning | None:
         """The motions that the clauses of a text order; what is guessed of them is asked about."""
-        clauses = self._clauses()
+        clauses = self._clause_reader(self.active)
         if clauses is None:
             return None
         found = read_apart(text, self._code, self.phrases.hearing.joints, clauses)
         if found is None:
             return None
         meaning = Meaning(self.active, found.calls, "reading", 1.0 if found.sure else ASK_FROM)
-        if _goes_back_from_there(meaning):
+        if _refers_behind(meaning):
             return None
         return meaning if _drives(meaning) or _refers(meaning) else None
 
     def _rest_of(self, text: str, meaning: Meaning, *, corrected: bool) -> Rest:
         """What a text holds beside a sure reading that drives."""
-        clauses = self._clauses() if meaning.sure and _drives(meaning) else None
+        drives = meaning.sure and _drives(meaning)
+        clauses = self._clause_reader(meaning.agent) if drives else None
         if clauses is None:
             return Rest.NOTHING
         joints = self.phrases.hearing.joints
         return rest_of(text, self._code, joints, meaning.calls, clauses, corrected=corrected)
 
-    def _clauses(self) -> ClauseReader | None:
-        """What reads single clauses for the active agent; None without a decider."""
+    def _clause_reader(self, agent: Agent) -> ClauseReader | None:
+        """What reads single clauses for an agent; None without a decider."""
         if self._decider is None:
             return None
-        readings = self._readings[self.active.name]
         return ClauseReader(
-            self._decider, readings, self._drives_by, lambda one: self._cannot(one)[0]
+            self._decider,
+            self._readings[agent.name],
+            partial(self._drives_by, agent),
+            lambda one: self._cannot(one)[0],
         )
 
-    def _drives_by(self, text: str) -> Clause | None:
-        """A plain command that drives; without calls if it is refused or drives nothing."""
+    def _drives_by(self, agent: Agent, text: str) -> Clause | None:
+        """A plain command to an agent that drives; without calls if it is refused or does not."""
         plain = self.plain(text)
-        if isinstance(plain, Meaning) and (_drives(plain) or _refers(plain)):
+        if (
+            isinstance(plain, Meaning)
+            and plain.agent is agent
+            and (_drives(plain) or _refers(plain))
+        ):
             return Clause(plain.calls, plain.sure)
         return None if plain is None else Clause((), sure=False)
 
@@ -315,10 +321,13 @@ class Interpreter:
         agent = self.active
         rest = self._readings[agent.name].without_little(text)
         found = self._recognisers[agent.name].recognise(rest) if rest else None
-        if not isinstance(found, Understood) or found.unsure:
+        if not isinstance(found, Understood) or found.unsure or len(found.calls) != 1:
             return None
-        little = all(agent.every_skill[c.skill].little and not c.arguments for c in found.calls)
-        return Meaning(agent, found.calls, "template", 1.0) if little else None
+        (call,) = found.calls
+        little = agent.every_skill[call.skill].little
+        if call.arguments or not little:
+            return None
+        return Meaning(agent, (Call(call.skill, little),), "template")
 
     def _plainly(self, text: str) -> Meaning | RefusedCommand | None:
         for agent in self._active_first():
@@ -417,34 +426,32 @@ class Interpreter:
 
     def _asked(self, text: str) -> Meaning | None:
         """The question to the robot that the words most likely ask, though no template fits."""
-        told = self._told(text)
-        if told is not None:
-            return told or None
+        if self._decider and self._decider.told(text)[1] >= LIKELY_TOLD:
+            return self._told(text)
         for agent in self._active_first():
             judged = self._questions[agent.name].of(text)
             if call := question_of(judged, text, self._code):
                 return Meaning(agent, (call,), "reading", ASK_FROM)
         return None
 
-    def _told(self, text: str) -> Meaning | Literal[False] | None:
-        """The question to the robot by the encoder: False for none, None if it is not sure."""
+    def _told(self, text: str) -> Meaning | None:
+        """The question to the robot that the encoder is sure of."""
         kind, likely = self._decider.told(text) if self._decider else ("", 0.0)
-        if likely < LIKELY_TOLD:
+        if likely < LIKELY_TOLD or self._orders_beside(text):
             return None
-        if self._orders_beside(text):
-            return False
         for agent in self._active_first():
             if call := question_about(kind, text, self._questions[agent.name].lexicon):
                 return Meaning(agent, (call,), "reading", ASK_FROM)
-        return False
+        return None
 
     def _cued(self, text: str) -> Meaning | None:
         """The question to the robot whose own words are said, unless another is far likelier."""
         general = partial(self._decider.is_general, text) if self._decider else lambda: False
         for agent in self._active_first():
             if call := cued(text, self._questions[agent.name].lexicon, general):
-                told = self._told(text) or Meaning(agent, (call,), "reading", ASK_FROM)
-                return None if self._orders_beside(text) else told
+                if self._orders_beside(text):
+                    return None
+                return self._told(text) or Meaning(agent, (call,), "reading", ASK_FROM)
         return None
 
     def _orders_beside(self, text: str) -> bool:
@@ -452,7 +459,7 @@ class Interpreter:
         if self._decider is None:
             return False
         clauses = clauses_of(text, self._code, self.phrases.hearing.joints)
-        return len(clauses) > 1 and any(
+        return 1 < len(clauses) <= MOST_CLAUSES and any(
             self._decider.is_order(one) and asks_for_motion(one, self._decider)
             for one in clauses
             if not asks(one, self._code)
@@ -740,6 +747,11 @@ def _takes_any_words(meaning: Meaning) -> bool:
 def _goes_back_from_there(meaning: Meaning) -> bool:
     """True if going back follows another call: then it means the start of that call's motion."""
     return any(call.skill == BACK for call in meaning.calls[1:])
+
+
+def _refers_behind(meaning: Meaning) -> bool:
+    """True if another reference than the first call stands in a meaning: to what, is not plain."""
+    return any(call.skill in REFERENCES for call in meaning.calls[1:])
 
 
 def _telling(agent: Agent, book: Phrasebook) -> SkillSet:

@@ -54,6 +54,8 @@ class FunctionWords:
     """Words that open an order in the form of a statement: "you' re needed"."""
     reasons: tuple[str, ...] = ()
     """Words that open a clause with a reason."""
+    until: tuple[str, ...] = ()
+    """Words that open what bounds a motion: "until"."""
     results: tuple[str, ...] = ()
     """Words that open what follows from a reason: "so"."""
     reversals: tuple[str, ...] = ()

@@ -168,8 +168,8 @@ ASK_FROM, SURE_FROM = 0.5, 0.8
 
 BACK = "go_back"
 """Name of the dialogue skill that leads back to where the last motion began."""
-OTHER, RESUME = "the_other", "resume"
-REFERENCES = ("again", BACK, "further", RESUME, OTHER)
+THE_OTHER, RESUME = "the_other", "resume"
+REFERENCES = ("again", BACK, "further", RESUME, THE_OTHER)
 """Names of the dialogue skills that refer to a motion before."""
 
 HEARD_FROM = 0.8

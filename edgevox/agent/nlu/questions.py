@@ -221,9 +221,8 @@ def asks(text: str, code: str) -> bool:
     """
     words, said = words_of(code), f"{plain(text)} "
     wishes = (*words.asking, *words.abilities, *words.wishes)
-    if any(said.startswith(f"{plain(one)} ") for one in wishes) or _opens_a_clause(
-        _without_address(text, code), wishes, code
-    ):
+    addressed = f"{plain(_without_address(text, code))} "
+    if any(one.startswith(f"{plain(wish)} ") for wish in wishes for one in (said, addressed)):
         return False
     asks = any(mark in text for mark in QUESTION_MARKS)
     return asks or any(said.startswith(f"{plain(one)} ") for one in words.questions)
@@ -232,8 +231,8 @@ def asks(text: str, code: str) -> bool:
 def _without_address(text: str, code: str) -> str:
     """The text without small words that a mark parts from what follows: "honey, ..."."""
     small = {key(one) for one in words_of(code).fillers}
-    first, mark, rest = text.partition(",")
-    return rest if mark and key(first).strip() in small else text
+    first, *rest = re.split(r"[,\uff0c\u3001\u060c]", text, maxsplit=1)
+    return rest[0].strip() if rest and key(first).strip() in small else text
 
 
 def asks_whether(text: str, code: str) -> bool:
