@@ -24,6 +24,7 @@ TABLE = "What must not be done at once, or only as it says"
 HALVES = {
     "attacks": "attacks, most in English",
     "held": "conditions and the like, in fifteen languages",
+    "apart": "both, in sixteen languages, kept apart",
 }
 HARM, NO_STOP = "moves otherwise", "does not stop"
 _NEAR = 0.011
