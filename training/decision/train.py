@@ -27,8 +27,9 @@ sys.path.insert(0, str(ROOT / "tests"))
 from corpus_robots import is_right, skills_of_robots
 from corpus_sentences import ROBOTS, Sentence, read_corpus, tuning
 
-from edgevox.agent.nlu.decider import NOW, Readings
+from edgevox.agent.nlu.decider import NOW
 from edgevox.agent.nlu.encoder import ENCODER, HEAD_FILE, Encoder, Floats
+from edgevox.agent.nlu.judging import Readings
 from edgevox.agent.nlu.templates import Recogniser
 from edgevox.agent.stop.words import SafetyWords
 from edgevox.models import locate

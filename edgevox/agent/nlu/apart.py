@@ -5,14 +5,15 @@
 """
 
 import re
-from collections.abc import Callable, Collection, Mapping, Sequence, Set
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 from enum import Enum
 from functools import cache
 from itertools import pairwise
 
-from edgevox.agent.nlu.decider import NOT_NOW, Decider, Readings
+from edgevox.agent.nlu.decider import NOT_NOW, Decider
 from edgevox.agent.nlu.evidence import QUESTION_MARKS
+from edgevox.agent.nlu.judging import Readings
 from edgevox.agent.nlu.lexicon import Lexicon, plain, words_of
 from edgevox.agent.skills import Call
 from edgevox.agent.stop.words import find_stop_word
@@ -77,8 +78,19 @@ def asks_for_motion(text: str, decider: Decider) -> bool:
     return kind in GUESSES and likely >= LIKELY_ASKED
 
 
+class Rest(Enum):
+    """What stands beside some calls in a text."""
+
+    NOTHING = "nothing"
+    """Remarks at most."""
+    UNCLEAR = "unclear"
+    """A clause that may change what is wanted: a name, a condition, a change of mind."""
+    ORDER = "order"
+    """Another order."""
+
+
 class ClauseReader:
-    """Reads single clauses.
+    """Reads texts clause by clause, for one set of skills.
 
     Args:
         plain: Returns a plain command that moves the robot; None for no command, and one without
@@ -97,9 +109,89 @@ class ClauseReader:
         self._readings = readings
         self._plain = plain
         self._cannot = cannot
+        book = readings.lexicon.book
+        self._code, self._joints = book.code, book.hearing.joints
 
-    def read(self, clause: str) -> Clause | None:
-        """Its calls: by templates, by a sure reading, by what is likely asked, or by a reading."""
+    def apart(self, text: str) -> Clause | None:
+        """The calls of a text's clauses, one after another; None if one is no order or remark.
+
+        Of several none may be a guess. They are sure if templates read all of them, no remark is
+        left out, each but the last says its amount or place, and none is that before once more:
+        "forward, back one metre" and "two metres, three metres" may take the first one back.
+        """
+        results = words_of(self._code).results
+        parted = (self._clauses(text, more) for more in ((), results, (*results, *self._joints)))
+        return next(filter(None, map(self._in_order, parted)), None)
+
+    def rest(self, text: str, calls: Sequence[Call], *, corrected: bool) -> Rest:
+        """What a text holds beside these calls.
+
+        A `corrected` text may hold words that it takes back: "not left", but not "take the blue
+        cube".
+        """
+        results = words_of(self._code).results
+        for clauses in (self._clauses(text, more) for more in ((), (*results, *self._joints))):
+            if len(clauses) > MOST_CLAUSES:
+                return Rest.UNCLEAR
+            asked = (one for one in clauses if self._orders_more(one, calls))
+            named = self._readings.named_in
+            if len(clauses) > 1 and any(not corrected or named(one) for one in asked):
+                return Rest.ORDER
+        clauses = clauses_of(text, self._code)
+        if corrected or len(clauses) == 1:
+            return Rest.NOTHING
+        skills = {one.skill for one in calls}
+        parts = [self._is_part(one, skills) for one in clauses]
+        for at, clause in enumerate(clauses):
+            ends = any(parts[:at]) and find_stop_word(self._code, clause)
+            remark = parts[at] or self._is_remark(clause, opens=not any(parts[:at]))
+            if ends or not remark:
+                return Rest.UNCLEAR
+        return Rest.NOTHING
+
+    def without_left(self, text: str, calls: tuple[Call, ...]) -> tuple[Call, ...]:
+        """The calls without drives to what a clause wants left: "get out of the kitchen"."""
+        if not any(one.skill in GUESSES["place"] for one in calls):
+            return calls
+        if len(calls) == 1 and self._decider.leaves(text):
+            return ()
+        parted = clauses_of(text, self._code, (*words_of(self._code).results, *self._joints))
+        named = ((one, self._readings.named_in(one)) for one in parted)
+        left = {
+            place
+            for one, places in named
+            if places and self._decider.leaves(one)
+            for place in places
+        }
+        return tuple(one for one in calls if left.isdisjoint(map(str, one.arguments.values())))
+
+    def _clauses(self, text: str, more: tuple[str, ...]) -> Sequence[str]:
+        parted = clauses_of(text, self._code, more)
+        return [_unjoined(one, self._joints, self._code) for one in parted]
+
+    def _in_order(self, clauses: Sequence[str]) -> Clause | None:
+        if not 0 < len(clauses) <= MOST_CLAUSES:
+            return None
+        found: list[Clause] = []
+        before = ""
+        for one in clauses:
+            if before and (more := self._with_amount(before, one, found[-1])):
+                found[-1] = more
+            elif clause := self._read(one):
+                found.append(clause)
+                before = one
+            elif not self._is_remark(one, opens=not found):
+                return None
+        calls = tuple(call for one in found for call in one.calls)
+        if not calls or (len(found) > 1 and any(one.guessed for one in found)):
+            return None
+        told = all(call.arguments for call in calls[:-1])
+        again = any(one.skill == other.skill for one, other in pairwise(calls))
+        sure = told and not again and len(found) == len(clauses) and all(one.sure for one in found)
+        return Clause(calls, sure)
+
+    def _read(self, clause: str) -> Clause | None:
+        """A clause's calls: by templates, a sure reading, what is likely asked, or a reading."""
         plain = self._plain(clause)
         if plain is not None:
             return plain if plain.calls else None
@@ -124,7 +216,7 @@ class ClauseReader:
         goes = any(call.skill in GUESSES["place"] for call in read.calls)
         return None if goes and self._decider.leaves(clause) else read
 
-    def with_amount(self, before: str, clause: str, read: Clause) -> Clause | None:
+    def _with_amount(self, before: str, clause: str, read: Clause) -> Clause | None:
         """A clause whose calls say no amount, with the one that this clause is; else None.
 
         "Back up, I'd say, 30 centimetres".
@@ -134,7 +226,7 @@ class ClauseReader:
         plain = self._plain(f"{before} {clause}") if adds else None
         return plain if plain and plain.calls else None
 
-    def is_remark(self, clause: str, *, opens: bool) -> bool:
+    def _is_remark(self, clause: str, *, opens: bool) -> bool:
         """True if it asks for nothing and changes nothing of what is asked beside it.
 
         It `opens` the text if nothing was asked before it.
@@ -152,7 +244,7 @@ class ClauseReader:
             and self._readings.is_aside(clause, may_deny=talks, opens=opens)
         )
 
-    def orders_more(self, clause: str, calls: Sequence[Call]) -> bool:
+    def _orders_more(self, clause: str, calls: Sequence[Call]) -> bool:
         """True if a clause without a value of these calls most likely orders another motion."""
         skills = {one.skill for one in calls}
         values = {str(value) for one in calls for value in one.arguments.values()}
@@ -168,11 +260,7 @@ class ClauseReader:
         names = {*GUESSES.get(kind, ())} & self._readings.skills
         return bool(names) and likely >= LIKELY_MORE and skills.isdisjoint(names)
 
-    def names(self, clause: str) -> bool:
-        """True if it names a thing or a place of the robot's world."""
-        return bool(self._readings.named_in(clause))
-
-    def is_part(self, clause: str, skills: Collection[str]) -> bool:
+    def _is_part(self, clause: str, skills: Collection[str]) -> bool:
         """True if a clause says something of the calls of these skills, in known words."""
         return self._readings.is_filler(clause) or self._readings.is_known(clause, skills)
 
@@ -229,100 +317,3 @@ def _unjoined(clause: str, joints: Sequence[str], code: str) -> str:
         if clause.casefold().startswith(f"{one}{space}") and (space or len(one) > 1):
             return clause[len(one) :].strip()
     return clause
-
-
-def read_apart(
-    text: str,
-    code: str,
-    joints: tuple[str, ...],
-    reader: ClauseReader,
-) -> Clause | None:
-    """The calls of a text's clauses, one after another; None if one is neither order nor remark.
-
-    Of several none may be a guess. They are sure if templates read all of them, no remark is left
-    out, each but the last says its amount or place, and none is that before once more: "forward,
-    back one metre" and "two metres, three metres" may take the first one back.
-    """
-    results = words_of(code).results
-    for more in ((), results, (*results, *joints)):
-        clauses = [_unjoined(one, joints, code) for one in clauses_of(text, code, more)]
-        if found := _read(clauses, reader):
-            return found
-    return None
-
-
-class Rest(Enum):
-    """What stands beside some calls in a text."""
-
-    NOTHING = "nothing"
-    """Remarks at most."""
-    UNCLEAR = "unclear"
-    """A clause that may change what is wanted: a name, a condition, a change of mind."""
-    ORDER = "order"
-    """Another order."""
-
-
-def rest_of(
-    text: str,
-    code: str,
-    joints: tuple[str, ...],
-    calls: Sequence[Call],
-    reader: ClauseReader,
-    *,
-    corrected: bool,
-) -> Rest:
-    """What a text holds beside these calls, clause by clause.
-
-    A `corrected` text may hold words that it takes back: "not left", but not "take the blue cube".
-    """
-    skills = {one.skill for one in calls}
-    for more in ((), (*words_of(code).results, *joints)):
-        clauses = [_unjoined(one, joints, code) for one in clauses_of(text, code, more)]
-        if len(clauses) == 1:
-            continue
-        if len(clauses) > MOST_CLAUSES:
-            return Rest.UNCLEAR
-        asked = (one for one in clauses if reader.orders_more(one, calls))
-        if any(not corrected or reader.names(one) for one in asked):
-            return Rest.ORDER
-    marked = clauses_of(text, code)
-    if corrected or len(marked) == 1:
-        return Rest.NOTHING
-    parts = [reader.is_part(one, skills) for one in marked]
-    for at, clause in enumerate(marked):
-        ends = any(parts[:at]) and find_stop_word(code, clause)
-        remark = parts[at] or reader.is_remark(clause, opens=not any(parts[:at]))
-        if ends or not remark:
-            return Rest.UNCLEAR
-    return Rest.NOTHING
-
-
-def left_out(
-    text: str, code: str, joints: tuple[str, ...], readings: Readings, decider: Decider
-) -> Set[str]:
-    """The places that a clause of a text wants left: "get out of the kitchen and ..."."""
-    clauses = clauses_of(text, code, (*words_of(code).results, *joints))
-    leaving = (one for one in clauses if readings.named_in(one) and decider.leaves(one))
-    return {place for one in leaving for place in readings.named_in(one)}
-
-
-def _read(clauses: Sequence[str], reader: ClauseReader) -> Clause | None:
-    if not 0 < len(clauses) <= MOST_CLAUSES:
-        return None
-    found: list[Clause] = []
-    before = ""
-    for one in clauses:
-        if before and (more := reader.with_amount(before, one, found[-1])):
-            found[-1] = more
-        elif clause := reader.read(one):
-            found.append(clause)
-            before = one
-        elif not reader.is_remark(one, opens=not found):
-            return None
-    calls = tuple(call for one in found for call in one.calls)
-    if not calls or (len(found) > 1 and any(one.guessed for one in found)):
-        return None
-    told = all(call.arguments for call in calls[:-1])
-    again = any(one.skill == other.skill for one, other in pairwise(calls))
-    sure = told and not again and len(found) == len(clauses) and all(one.sure for one in found)
-    return Clause(calls, sure)

@@ -21,7 +21,6 @@ from edgevox.agent.llm.language_model import (
 from edgevox.agent.llm.prompt import History, size_tokens
 from edgevox.agent.nlu.abilities import abilities, cannot_do, not_understood
 from edgevox.agent.nlu.apart import (
-    GUESSES,
     MOST_CLAUSES,
     Clause,
     ClauseReader,
@@ -29,15 +28,13 @@ from edgevox.agent.nlu.apart import (
     asks_for_motion,
     clauses_of,
     is_taken_back,
-    left_out,
-    read_apart,
-    rest_of,
 )
-from edgevox.agent.nlu.decider import Decider, Decision, Readings
+from edgevox.agent.nlu.decider import Decider, Decision
 from edgevox.agent.nlu.disfluencies import fluent
 from edgevox.agent.nlu.hearing.hypotheses import breaks_off, is_contested, is_same, likeliest
 from edgevox.agent.nlu.hearing.near import NearCommands
 from edgevox.agent.nlu.hearing.sounds import Phonemes
+from edgevox.agent.nlu.judging import Readings
 from edgevox.agent.nlu.lexicon import words_of
 from edgevox.agent.nlu.meaning import ASK_FROM, BACK, HEARD_FROM, REFERENCES, Meaning, Program
 from edgevox.agent.nlu.model_answer import ANSWER_TOKENS, LEAST_LIKELY, CheckedAnswer, say_by
@@ -215,15 +212,10 @@ class Interpreter:
 
     def _without_left(self, meaning: Meaning | None, text: str) -> Meaning | None:
         """The reading without drives to places that the words want left; None if none remains."""
-        if meaning is None or self._decider is None:
+        clauses = self._clause_reader(meaning.agent) if meaning else None
+        if meaning is None or clauses is None:
             return meaning
-        if not any(call.skill in GUESSES["place"] for call in meaning.calls):
-            return meaning
-        if len(meaning.calls) == 1 and self._decider.leaves(text):
-            return None
-        readings, joints = self._readings[meaning.agent.name], self.phrases.hearing.joints
-        left = left_out(text, self._code, joints, readings, self._decider)
-        calls = tuple(c for c in meaning.calls if left.isdisjoint(map(str, c.arguments.values())))
+        calls = clauses.without_left(text, meaning.calls)
         return replace(meaning, calls=calls) if calls else None
 
     def _apart(self, text: str) -> Meaning | None:
@@ -231,7 +223,7 @@ class Interpreter:
         clauses = self._clause_reader(self.active)
         if clauses is None:
             return None
-        found = read_apart(text, self._code, self.phrases.hearing.joints, clauses)
+        found = clauses.apart(text)
         if found is None:
             return None
         meaning = Meaning(self.active, found.calls, "reading", 1.0 if found.sure else ASK_FROM)
@@ -245,8 +237,7 @@ class Interpreter:
         clauses = self._clause_reader(meaning.agent) if drives else None
         if clauses is None:
             return Rest.NOTHING
-        joints = self.phrases.hearing.joints
-        return rest_of(text, self._code, joints, meaning.calls, clauses, corrected=corrected)
+        return clauses.rest(text, meaning.calls, corrected=corrected)
 
     def _clause_reader(self, agent: Agent) -> ClauseReader | None:
         """What reads single clauses for an agent; None without a decider."""

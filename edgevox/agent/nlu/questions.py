@@ -9,8 +9,8 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from functools import cache, cached_property
 
 from edgevox.agent.nlu.clauses import Name, find_names
-from edgevox.agent.nlu.decider import Judged
 from edgevox.agent.nlu.evidence import QUESTION_MARKS
+from edgevox.agent.nlu.judging import Judged
 from edgevox.agent.nlu.lexicon import TOKEN, Lexicon, Words, is_mark, plain, words_of
 from edgevox.agent.phrases.load import ENGLISH, phrasebook
 from edgevox.agent.phrases.numbers import digits

@@ -5,7 +5,7 @@ from dataclasses import fields
 import pytest
 from support.bodies import BODIES
 
-from edgevox.agent.nlu.decider import Readings
+from edgevox.agent.nlu.judging import Readings
 from edgevox.agent.nlu.lexicon import FunctionWords, words_of
 from edgevox.core.languages import LANGUAGES
 

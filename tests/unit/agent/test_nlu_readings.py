@@ -3,7 +3,7 @@
 import pytest
 from corpus_robots import skills_of_robots
 
-from edgevox.agent.nlu.decider import Judged, Readings
+from edgevox.agent.nlu.judging import Judged, Readings
 from edgevox.agent.nlu.lexicon import Lexicon
 from edgevox.agent.phrases.own_names import phrasebook_of
 from edgevox.agent.skills import Call, SkillSet, skill

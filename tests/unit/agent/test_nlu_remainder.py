@@ -15,7 +15,7 @@ from few_languages import few
 from hypothesis import given
 from hypothesis import strategies as st
 
-from edgevox.agent.nlu.decider import Judged, Readings
+from edgevox.agent.nlu.judging import Judged, Readings
 from edgevox.agent.nlu.lexicon import words_of
 from edgevox.agent.nlu.meaning import Program
 from edgevox.agent.nlu.order_reader import ProgramReader

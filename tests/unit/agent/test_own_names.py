@@ -5,7 +5,7 @@ from typing import Annotated
 import pytest
 from support.conversation import Talk
 
-from edgevox.agent.nlu.decider import Readings
+from edgevox.agent.nlu.judging import Readings
 from edgevox.agent.nlu.templates import Recogniser, Understood
 from edgevox.agent.phrases.own_names import phrasebook_of
 from edgevox.agent.skills import (

@@ -10,7 +10,7 @@ from support.conversation import Eloquent, Talk
 from edgevox.agent.llm.calls import Protocol
 from edgevox.agent.llm.grammar import SAY
 from edgevox.agent.llm.language_model import Piece
-from edgevox.agent.nlu.decider import Readings
+from edgevox.agent.nlu.judging import Readings
 from edgevox.agent.nlu.model_answer import CheckedAnswer
 from edgevox.agent.nlu.questions import (
     WorldWords,
