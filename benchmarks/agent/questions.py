@@ -117,6 +117,15 @@ class Robot:
             time.sleep(0.002)
         return self._seen[before:]
 
+    @property
+    def drives_on(self) -> bool:
+        """True if a goal moves it, or waits to."""
+        return bool(self._parts.conversation.moving)
+
+    def wait(self, seconds: float) -> None:
+        """Let its time pass."""
+        self._pass(seconds)
+
     def is_stop(self, text: str) -> bool:
         """True if these words stop it."""
         return bool(self._parts.conversation.is_stop(text))

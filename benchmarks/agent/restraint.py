@@ -2,7 +2,7 @@
 
 A whole agent with a simulated robot is told the sentences of `restraint.yaml` while it stands
 still, without a language model. A sentence does harm if it begins a motion that it may not; and one
-that must stop the robot if it is no stop.
+that must stop the robot if it is no stop. In dialogues it must stand, move or go on after a turn.
 """
 
 import sys
@@ -26,6 +26,9 @@ HALVES = {
     "held": "conditions and the like, in fifteen languages",
     "apart": "both, in sixteen languages, kept apart",
 }
+DIALOGUES = "Dialogues with a robot that moves"
+_BETWEEN_S = 0.3
+"""Seconds of the robot's time between two turns of a dialogue."""
 HARM, NO_STOP = "moves otherwise", "does not stop"
 _NEAR = 0.011
 """Largest part by which an amount may differ from the one that was said: feet are rounded."""
@@ -62,16 +65,52 @@ def _measured(every: int) -> Measured:
                         column=became, wanted=0.0,
                     )
                 )  # fmt: skip
-    return Measured(figures=tuple(figures), notes={TABLE: tuple(notes)})
+    turns = [*_turns(data["dialogues"][::every])]
+    wrong = tuple(one for one in turns if one)
+    figures.append(
+        Figure.share(
+            "dialogues.wrong", DIALOGUES, "turns", len(wrong), len(turns),
+            column="moves, stands or stops otherwise", wanted=0.0,
+        )
+    )  # fmt: skip
+    return Measured(figures=tuple(figures), notes={TABLE: tuple(notes), DIALOGUES: wrong})
+
+
+def _turns(dialogues: Sequence[Mapping[str, Any]]) -> Iterator[str]:
+    """What is wrong after each turn of the dialogues; empty where nothing is."""
+    for place, several in _by_robot(dialogues):
+        with robot_of(place[0], NO_LLM, place[1]) as robot:
+            for turn in (turn for one in several for turn in ({}, *one["turns"])):
+                if turn:
+                    yield _wrong_after(robot, turn)
+                else:
+                    robot.begin()
+
+
+def _wrong_after(robot: Robot, turn: Mapping[str, Any]) -> str:
+    before = robot.drives_on
+    robot.say(turn["says"])
+    robot.wait(_BETWEEN_S)
+    after = robot.drives_on
+    wanted = {"stands": False, "moves": True, "goes on": before}.get(turn.get("then", ""), after)
+    return "" if after == wanted else f"{turn['says']}: {'moves' if after else 'stands'}"
+
+
+def _by_robot(
+    rows: Sequence[Mapping[str, Any]],
+) -> Iterator[tuple[tuple[str, str], Sequence[Mapping[str, Any]]]]:
+    """The rows of each robot in each language."""
+    places = [(one["robot"], one.get("lang", "en")) for one in rows]
+    for place in dict.fromkeys(places):
+        yield place, [one for one, where in zip(rows, places, strict=True) if where == place]
 
 
 def _became(rows: Sequence[Mapping[str, Any]]) -> Iterator[tuple[str, str]]:
     """The harm of each sentence, empty for none, and the sentence."""
-    for name, code in dict.fromkeys((one["robot"], one.get("lang", "en")) for one in rows):
-        with robot_of(name, NO_LLM, code) as robot:
-            for one in rows:
-                if (one["robot"], one.get("lang", "en")) == (name, code):
-                    yield _harm(robot, one), one["says"]
+    for place, several in _by_robot(rows):
+        with robot_of(place[0], NO_LLM, place[1]) as robot:
+            for one in several:
+                yield _harm(robot, one), one["says"]
 
 
 def _harm(robot: Robot, one: Mapping[str, Any]) -> str:

@@ -250,3 +250,32 @@ def test_an_order_that_was_not_read_holds_back_the_other():
 )
 def test_a_small_amount_or_steps_are_done_at_once(robot, says, call):
     assert understood(robot, says)[:2] == ([call], True)
+
+
+@pytest.mark.parametrize(
+    ("language", "says"),
+    [
+        ("en", "you don't need to go there after all"),
+        ("en", "not there"),
+        ("en", "you needn't go to the kitchen any more"),
+        ("de", "du brauchst nicht mehr in die Küche zu fahren"),
+        ("fr", "ce n'est plus la peine d'aller à la cuisine"),
+    ],
+)
+def test_words_that_deny_a_motion_end_the_one_that_goes_on(language, says):
+    assert interpreter("apartment", language).denies_motion(says)
+
+
+@pytest.mark.parametrize(
+    "says",
+    [
+        "go to the kitchen",
+        "my brother never goes to the kitchen",
+        "I can't see anything",
+        "that doesn't matter",
+        "not bad",
+        "you drive nicely",
+    ],
+)
+def test_other_words_end_no_motion(says):
+    assert not interpreter("apartment").denies_motion(says)

@@ -116,6 +116,8 @@ class Asking:
             return self._stopped_for(denied, turn)
         if between := self._asked_between(text):
             return self._between(text, between, turn)
+        if self._performer.moving and self._interpreter.denies_motion(text):
+            return self._stopped_for("", turn)
         return self._take_up(text, turn, bare=instead is not None)
 
     def _wanted(self, instead: Instead) -> Meaning | None:

@@ -17,11 +17,14 @@ NOT_NOW, PERHAPS_NOT_NOW = 0.05, 0.3
 """Likelihoods of an order for now below which it is neither done nor asked about, and below which
 it is asked about."""
 
-NOW, LEAVES = "now", "leave"
-"""The kinds of words for now, and of those that want the robot out of a place."""
+NOW, LEAVES, DENIED = "now", "leave", "denied"
+"""The kinds of words for now, of those that want the robot out of a place, and of denials."""
 
 LIKELY_LEFT = 0.5
 """Least likelihood of words that want the robot out of a place."""
+
+LIKELY_DENIED, PLAINLY_DENIED = 0.7, 0.9
+"""Least likelihood of a denial of a motion, and of one that names none."""
 
 _DOUBTFUL = (ASK_FROM + SURE_FROM) / 2
 """Highest confidence in a doubtful reading: it always asks."""
@@ -81,6 +84,11 @@ class Decider:
         written = text.rstrip(" .!") + "."  # as the head has learned them
         kind, likely = self._head.meant.likeliest(self._features(written))
         return kind == LEAVES and likely >= LIKELY_LEFT
+
+    def denied(self, text: str) -> float:
+        """Likelihood of words about a motion not to want it."""
+        meant = self._head.meant
+        return float(meant.likelihoods(self._features(text))[meant.kinds.index(DENIED)])
 
     def is_general(self, text: str) -> bool:
         """True if general knowledge answers it: it asks about nothing here and now, nor about the

@@ -29,7 +29,7 @@ from edgevox.agent.nlu.apart import (
     clauses_of,
     is_taken_back,
 )
-from edgevox.agent.nlu.decider import Decider, Decision
+from edgevox.agent.nlu.decider import LIKELY_DENIED, PLAINLY_DENIED, Decider, Decision
 from edgevox.agent.nlu.disfluencies import fluent
 from edgevox.agent.nlu.hearing.hypotheses import breaks_off, is_contested, is_same, likeliest
 from edgevox.agent.nlu.hearing.near import NearCommands
@@ -543,6 +543,20 @@ class Interpreter:
             if isinstance(plain, Meaning) and len(plain.calls) == 1:
                 return plain.calls[0]
         return None
+
+    def denies_motion(self, text: str) -> bool:
+        """True for words that most likely deny a motion, and are no plain command.
+
+        They speak of a motion, or plainly to the robot: "you need not go there", "not there".
+        """
+        likely = self._decider.denied(text) if self._decider else 0.0
+        if likely < LIKELY_DENIED or self.plain(text) is not None:
+            return False
+        several = [self._readings[agent.name] for agent in self._active_first()]
+        to_hearer = is_about_hearer(text, self._code) or any(
+            one.opens_denying(text) for one in several
+        )
+        return any(one.speaks(text) for one in several) or (to_hearer and likely >= PLAINLY_DENIED)
 
     def is_held_back(self, text: str) -> bool:
         """True if these words say that they are no order, or not for now."""

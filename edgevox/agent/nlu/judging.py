@@ -272,6 +272,10 @@ class Readings:
         words, opens = self.lexicon.function_words, self._opens
         return opens(text, (*words.reasons, *words.plans)) and not opens(text, words.until)
 
+    def opens_denying(self, text: str) -> bool:
+        """True if a text begins with a word that denies: "not there"."""
+        return self._opens(text, self.lexicon.function_words.negations)
+
     def is_bound(self, text: str) -> bool:
         """True if a clause opens what bounds a motion: "until you reach the door"."""
         return self._opens(text, self.lexicon.function_words.until)
