@@ -54,15 +54,18 @@ def question_about(kind: str, text: str, lexicon: Lexicon) -> Call | None:
     """The question of this kind, a skill that tells something, with the names in a text.
 
     None for a text that asks nothing or has no word of such a question, and if a name is missing,
-    or one is no value of it.
+    or one is no value of it; and for one of the speaker alone: "what is my name".
     """
     one, code = lexicon.skills.get(kind), lexicon.book.code
     if one is None or not (asks(text, code) or _opens_a_clause(text, words_of(code).talking, code)):
         return None
+    words = words_of(code)
+    if _holds(text, words.me, code) and not _holds(text, words.you, code):
+        return None
     tokens = lexicon.tokenize(digits(" ".join(text.split()), code))
     names, weights = find_names(lexicon, tokens), lexicon.words[kind].weights
     used = all(any(skill == kind for skill, _ in name.values) for name in names)
-    small = lexicon.index(words_of(code).all()).places(tokens)
+    small = lexicon.index(words.all()).places(tokens)
     said = names or any(
         weights.get(word, 0.0) >= _LEAST_SAID for at, word in enumerate(tokens) if at not in small
     )
