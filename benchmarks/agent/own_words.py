@@ -93,7 +93,7 @@ def _are_alike(skills: SkillSet, wanted: Sequence[Call], calls: Sequence[Call]) 
     return len(first) == len(second) and all(
         one.skill == other.skill
         and one.arguments.keys() == other.arguments.keys()
-        and all(_is_near(one.arguments[key], other.arguments[key]) for key in one.arguments)
+        and all(is_near(one.arguments[key], other.arguments[key]) for key in one.arguments)
         for one, other in zip(first, second, strict=True)
     )
 
@@ -111,7 +111,8 @@ def _named(calls: Sequence[Call]) -> Iterator[Call]:
         yield Call(one.skill, {**one.arguments, **({"object": last} if said else {})})
 
 
-def _is_near(wanted: object, found: object) -> bool:
+def is_near(wanted: object, found: object) -> bool:
+    """Whether a value is the wanted one, or an amount that rounding makes of it."""
     if isinstance(wanted, int | float) and isinstance(found, int | float):
         return abs(wanted - found) <= _NEAR * max(1.0, abs(wanted))
     return wanted == found

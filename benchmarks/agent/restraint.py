@@ -13,6 +13,7 @@ from typing import Any
 
 import yaml
 
+from benchmarks.agent.own_words import is_near
 from benchmarks.agent.questions import Robot, robot_of
 from benchmarks.core.figures import Figure, Measured, NotHere, printed
 from edgevox.core.agent_events import ToolCalled
@@ -30,8 +31,6 @@ DIALOGUES = "Dialogues with a robot that moves"
 _BETWEEN_S = 0.3
 """Seconds of the robot's time between two turns of a dialogue."""
 HARM, NO_STOP = "moves otherwise", "does not stop"
-_NEAR = 0.011
-"""Largest part by which an amount may differ from the one that was said: feet are rounded."""
 
 
 def main() -> int:
@@ -80,11 +79,10 @@ def _turns(dialogues: Sequence[Mapping[str, Any]]) -> Iterator[str]:
     """What is wrong after each turn of the dialogues; empty where nothing is."""
     for place, several in _by_robot(dialogues):
         with robot_of(place[0], NO_LLM, place[1]) as robot:
-            for turn in (turn for one in several for turn in ({}, *one["turns"])):
-                if turn:
+            for one in several:
+                robot.begin()
+                for turn in one["turns"]:
                     yield _wrong_after(robot, turn)
-                else:
-                    robot.begin()
 
 
 def _wrong_after(robot: Robot, turn: Mapping[str, Any]) -> str:
@@ -126,14 +124,8 @@ def _harm(robot: Robot, one: Mapping[str, Any]) -> str:
 def _is_so(call: ToolCalled, name: str, arguments: Mapping[str, Any]) -> bool:
     """True if a call is of this name and these arguments, whatever its others."""
     return call.skill == name and all(
-        _is_near(wanted, call.arguments.get(key)) for key, wanted in arguments.items()
+        is_near(wanted, call.arguments.get(key)) for key, wanted in arguments.items()
     )
-
-
-def _is_near(wanted: object, found: object) -> bool:
-    if isinstance(wanted, int | float) and isinstance(found, int | float):
-        return abs(wanted - found) <= _NEAR * max(1.0, abs(wanted))
-    return wanted == found
 
 
 if __name__ == "__main__":

@@ -36,6 +36,8 @@ GUESSES: Mapping[str, tuple[str, ...]] = {
 }
 """The skills that do what the encoder says is asked for, by its kinds."""
 
+_GUESSED = frozenset(name for names in GUESSES.values() for name in names)
+
 REMARK = "talk"
 """Kind of a clause that asks for nothing."""
 
@@ -151,7 +153,7 @@ class ClauseReader:
 
     def without_left(self, text: str, calls: tuple[Call, ...]) -> tuple[Call, ...]:
         """The calls without drives to what a clause wants left: "get out of the kitchen"."""
-        if not any(one.skill in GUESSES["place"] for one in calls):
+        if not _go_somewhere(calls):
             return calls
         if len(calls) == 1 and self._decider.leaves(text):
             return ()
@@ -197,9 +199,14 @@ class ClauseReader:
             return plain if plain.calls else None
         if self._cannot(clause) or self._readings.unknown_place(clause):
             return None
+        read = self._read_or_guessed(clause)
+        left = read and _go_somewhere(read.calls) and self._decider.leaves(clause)
+        return None if left else read
+
+    def _read_or_guessed(self, clause: str) -> Clause | None:
         decision = self._decider.decide(self._readings.of(clause), clause)
         if decision and decision.sure:
-            return self._unless_left(Clause(decision.calls, sure=False), clause)
+            return Clause(decision.calls, sure=False)
         if self._decider.for_now(clause) < NOT_NOW:
             return None
         kind, likely = self._decider.asked(clause)
@@ -207,14 +214,8 @@ class ClauseReader:
         skills = GUESSES.get(kind, ()) if likely >= LIKELY_ASKED and not filler else ()
         call = self._readings.whole(clause, skills)
         if call and (call.arguments or likely >= LIKELY_ALONE):
-            return self._unless_left(Clause((call,), sure=False, guessed=True), clause)
-        guess = Clause(decision.calls, sure=False, guessed=True) if decision else None
-        return guess and self._unless_left(guess, clause)
-
-    def _unless_left(self, read: Clause, clause: str) -> Clause | None:
-        """The clause, unless it drives to a place that its words want left."""
-        goes = any(call.skill in GUESSES["place"] for call in read.calls)
-        return None if goes and self._decider.leaves(clause) else read
+            return Clause((call,), sure=False, guessed=True)
+        return Clause(decision.calls, sure=False, guessed=True) if decision else None
 
     def _with_amount(self, before: str, clause: str, read: Clause) -> Clause | None:
         """A clause whose calls say no amount, with the one that this clause is; else None.
@@ -249,7 +250,7 @@ class ClauseReader:
         skills = {one.skill for one in calls}
         values = {str(value) for one in calls for value in one.arguments.values()}
         if (
-            skills - {one for some in GUESSES.values() for one in some}
+            skills - _GUESSED
             or self._readings.has_number(clause)
             or not values.isdisjoint(self._readings.named_in(clause))
             or self._readings.is_reason(clause)
@@ -263,6 +264,11 @@ class ClauseReader:
     def _is_part(self, clause: str, skills: Collection[str]) -> bool:
         """True if a clause says something of the calls of these skills, in known words."""
         return self._readings.is_filler(clause) or self._readings.is_known(clause, skills)
+
+
+def _go_somewhere(calls: Sequence[Call]) -> bool:
+    """True if a call drives to a place."""
+    return any(one.skill in GUESSES["place"] for one in calls)
 
 
 def clauses_of(text: str, code: str, more: tuple[str, ...] = ()) -> Sequence[str]:

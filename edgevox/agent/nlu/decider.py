@@ -76,8 +76,7 @@ class Decider:
         Others set a condition, put it off, take it back, deny, report or ask about it, want the
         robot to leave a place, or are said to somebody else.
         """
-        meant = self._head.meant
-        return float(meant.likelihoods(self._features(text))[meant.kinds.index(NOW)])
+        return self._head.meant.likelihood(NOW, self._features(text))
 
     def leaves(self, text: str) -> bool:
         """True if the words, a sentence or a clause, most likely want the robot out of a place."""
@@ -87,8 +86,7 @@ class Decider:
 
     def denied(self, text: str) -> float:
         """Likelihood of words about a motion not to want it."""
-        meant = self._head.meant
-        return float(meant.likelihoods(self._features(text))[meant.kinds.index(DENIED)])
+        return self._head.meant.likelihood(DENIED, self._features(text))
 
     def is_general(self, text: str) -> bool:
         """True if general knowledge answers it: it asks about nothing here and now, nor about the

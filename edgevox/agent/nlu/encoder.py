@@ -361,7 +361,7 @@ class KindHead:
     """A multinomial regression on the encoder's features that tells kinds of sentences apart."""
 
     kinds: tuple[str, ...]
-    """The kinds; the first one is for none of the others."""
+    """The kinds."""
     weights: Floats
     """Weights of the encoder's features, shape (kinds, size)."""
     biases: Floats
@@ -372,6 +372,10 @@ class KindHead:
         logits = self.weights @ features + self.biases
         likely = np.exp(logits - logits.max())
         return np.asarray(likely / likely.sum(), np.float32)
+
+    def likelihood(self, kind: str, features: Floats) -> float:
+        """The likelihood of one kind."""
+        return float(self.likelihoods(features)[self.kinds.index(kind)])
 
     def likeliest(self, features: Floats, first: int = 0) -> tuple[str, float]:
         """The likeliest kind from the one at this index on, and how likely it is."""

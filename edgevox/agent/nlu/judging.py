@@ -407,17 +407,15 @@ class Readings:
     def _renew(self) -> None:
         """Rebuild the readers if the words of arguments have changed: places are learned."""
         with self._lock:
-            self._renew_locked()
-
-    def _renew_locked(self) -> None:
-        words = self._skills.words()
-        if words != self._words:
-            codes = dict.fromkeys((self._language, ENGLISH))
-            lexicons = [
-                Lexicon(self._skills, phrasebook_of(code, self._skills.values())) for code in codes
-            ]
-            self._readers = [(lexicon, CallReader(lexicon)) for lexicon in lexicons]
-            self._words = words
+            words = self._skills.words()
+            if words != self._words:
+                codes = dict.fromkeys((self._language, ENGLISH))
+                lexicons = [
+                    Lexicon(self._skills, phrasebook_of(code, self._skills.values()))
+                    for code in codes
+                ]
+                self._readers = [(lexicon, CallReader(lexicon)) for lexicon in lexicons]
+                self._words = words
 
 
 def _tokens(text: str, lexicon: Lexicon) -> Words:
