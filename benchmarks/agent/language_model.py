@@ -15,11 +15,10 @@ from typing import Any
 from benchmarks.core.figures import Figure, Measured, NotHere
 from edgevox.agent.llm import weights
 from edgevox.agent.llm.factory import load_model
-from edgevox.agent.llm.grammar import grammar
 from edgevox.agent.llm.language_model import CONTEXT_TOKENS, ChatMessage, LanguageModel, ModelFailed
+from edgevox.agent.llm.protocol import grammar
 from edgevox.agent.nlu.interpreter import Interpreter
 from edgevox.agent.nlu.model_answer import ANSWER_TOKENS
-from edgevox.agent.skills import NO_SKILLS
 from edgevox.agent.turn import Turn
 from edgevox.apps.robots import build_agents
 from edgevox.core.bus import Bus
@@ -109,7 +108,7 @@ class Plain:
 
         self._interpreter = Interpreter(build_agents(ApartmentRobot()), Bus(), SystemClock())
         self._grammar: Callable[[], Any] = lambda: llama_cpp.LlamaGrammar.from_string(
-            grammar(NO_SKILLS), verbose=False
+            grammar(), verbose=False
         )
         threads = weights.default_threads()
         self._llama = llama_cpp.Llama(

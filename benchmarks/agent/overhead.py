@@ -23,7 +23,7 @@ from benchmarks.core.figures import Figure, Measured
 from benchmarks.core.stopwatch import cpu_s, repeatedly
 from benchmarks.core.talker import PLAIN, QUESTIONS, Talker
 from benchmarks.wire.listener import listener
-from edgevox.agent.llm.grammar import SAY
+from edgevox.agent.llm.protocol import SAY
 
 TABLE = "Logs, metrics and diagnostics"
 BARE = (sys.executable, str(Path(__file__).with_name("bare.py")))

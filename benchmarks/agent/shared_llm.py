@@ -25,10 +25,9 @@ from benchmarks import ROOT
 from benchmarks.agent.language_model import QUESTIONS
 from benchmarks.core.figures import Figure, Measured, NotHere
 from benchmarks.core.many_robots import take_turns, waiting
-from edgevox.agent.llm.grammar import grammar
+from edgevox.agent.llm.protocol import grammar
 from edgevox.agent.llm.remote_model import Offer, chat_request
 from edgevox.agent.nlu.interpreter import Interpreter
-from edgevox.agent.skills import NO_SKILLS
 from edgevox.apps.robots import build_agents
 from edgevox.core.bus import Bus
 from edgevox.core.clock import SystemClock
@@ -94,7 +93,7 @@ def measure(quick: bool = False) -> Measured:
 def _questions() -> list[bytes]:
     """Requests as the apartment's agent makes them."""
     interpreter = Interpreter(build_agents(ApartmentRobot()), Bus(), SystemClock())
-    offer, rules = Offer(MODEL, "llama-server"), grammar(NO_SKILLS)
+    offer, rules = Offer(MODEL, "llama-server"), grammar()
     chats = [interpreter.chat(one) for one in QUESTIONS]
     return [json.dumps(chat_request(offer, one, rules, TOKENS)).encode() for one in chats]
 

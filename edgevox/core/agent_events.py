@@ -44,7 +44,7 @@ GOAL_ENDS = (GoalStatus.SUCCEEDED, GoalStatus.FAILED, GoalStatus.CANCELLED)
 
 @dataclass(frozen=True, slots=True)
 class ToolCalled:
-    """A skill was called, by `template`, `reading`, `model`, `command`, `action` or `program`."""
+    """A skill was called, by `template`, `reading`, `command`, `action` or `program`."""
 
     kind: ClassVar = AgentEventKind.TOOL_CALL
     skill: str

@@ -48,7 +48,7 @@ class Metric:
 
 SKILLS, CHECKS, TOPICS = "the agent's skills", "the checks of health", "incoming topics"
 STAGES = ("stt", "llm", "tts", "ttfs", "total")
-SOURCES = ("template", "model", "command", "action", "program")
+SOURCES = ("template", "reading", "command", "action", "program")
 QUEUES = ("conversation", "microphone", "transcriber", "speech_output", "recorder")
 PARTS = (
     "listener",
@@ -91,8 +91,7 @@ _COUNTED = (
     Metric(
         "edgevox_llm_tokens_total",
         Kind.COUNTER,
-        "Tokens that language models generated for turns, including calls of skills; an estimate"
-        " if a server answers",
+        "Tokens that language models generated for turns; an estimate if a server answers",
     ),
     Metric(
         "edgevox_skill_calls_total",

@@ -12,12 +12,11 @@ import pytest
 from corpus_robots import skills_of_robots
 from guards import HUNG_S
 
-from edgevox.agent.llm.calls import Protocol
 from edgevox.agent.llm.factory import load_model
 from edgevox.agent.llm.language_model import ChatMessage, LanguageModel
-from edgevox.agent.llm.prompt import examples
+from edgevox.agent.llm.protocol import Protocol
 from edgevox.agent.llm.remote_model import EndpointModel, FallbackModel
-from edgevox.agent.skills import Example, GoalHandle, SkillSet, skill
+from edgevox.agent.phrases.load import phrasebook
 from edgevox.core.cancel import CancelToken
 from edgevox.core.languages import LANGUAGES
 from edgevox.core.servers.address import Address
@@ -25,8 +24,7 @@ from edgevox.core.servers.errors import RequestRefused
 from edgevox.models import locate
 
 MODEL = "smollm2-135m-instruct"
-ASKED = (("jot down that the milk is empty", True), ("how do you do?", False))
-"""Each with whether it is an order, to which a model may make calls."""
+ASKED = "how do you do?"
 COUNT = [ChatMessage("user", "Count, and do not stop.")]
 NUMBERS = 'root ::= ([0-9] " "){30}'
 
@@ -69,11 +67,6 @@ def shared(server: Process) -> Iterator[EndpointModel]:
     model.close()
 
 
-@skill(examples=[Example("make a note, the door squeaks", {"text": "the door squeaks"})])
-def take_note(goal: GoalHandle, text: str) -> None:
-    """Write something down."""
-
-
 @pytest.fixture(scope="module")
 def on_board(threads: int) -> Iterator[LanguageModel]:
     model = load_model(locate(MODEL), threads=threads)
@@ -82,23 +75,18 @@ def on_board(threads: int) -> Iterator[LanguageModel]:
 
 
 @pytest.mark.long
-def test_the_shared_model_answers_and_calls_as_the_same_one_on_board_does(
+def test_the_shared_model_answers_as_the_same_one_on_board_does(
     shared: EndpointModel, on_board: LanguageModel
 ) -> None:
-    protocol = Protocol("You keep the notes of a household.", SkillSet([take_note]))
+    protocol = Protocol("You keep the notes of a household.")
 
-    def answer(model: LanguageModel, said: str, *, ordered: bool) -> str:
-        chat = [protocol.opening[0], ChatMessage("user", protocol.prepare(said))]
-        grammar = protocol.grammar_of(ordered=ordered)
+    def answer(model: LanguageModel) -> str:
+        chat = [protocol.opening[0], ChatMessage("user", ASKED)]
         token = CancelToken()
+        grammar = protocol.grammar
         return "".join(model.generate(chat, grammar=grammar, max_tokens=24, token=token))
 
-    here, there = (
-        [answer(one, said, ordered=ordered) for said, ordered in ASKED]
-        for one in (on_board, shared)
-    )
-    assert there == here
-    assert all(there)
+    assert answer(shared) == answer(on_board) != ""
 
 
 def test_a_cancelled_answer_frees_the_server_for_the_next(
@@ -130,8 +118,9 @@ def test_a_chat_longer_than_the_servers_context_is_refused(shared: EndpointModel
 
 def test_tokens_are_never_counted_too_low(shared: EndpointModel, threads: int) -> None:
     small = load_model(locate("qwen2.5-coder-0.5b-instruct"), context_tokens=64, threads=threads)
-    skills = skills_of_robots()["robot-apartment"]
-    said = [one.sentence for code in LANGUAGES for one in examples(skills, (), code)]
+    every = skills_of_robots()["robot-apartment"].values()
+    books = map(phrasebook, LANGUAGES)
+    said = [e.sentence for book in books for one in every for e in book.examples(one)]
     said += ["x 12.345, y -0.5", "🤖 🦾", "ok " * 50]
 
     assert [t for t in said if shared.count_tokens(t) < small.count_tokens(t)] == []

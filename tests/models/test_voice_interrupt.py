@@ -13,8 +13,8 @@ from voice_engines import words
 from voice_rig import SLOWLY
 from waiting import wait_until
 
-from edgevox.agent.llm.grammar import SAY
 from edgevox.agent.llm.prompt import CUT_MARK
+from edgevox.agent.llm.protocol import SAY
 from edgevox.core.agent_events import AgentEvent, GoalChanged, SafetyPreempted
 from edgevox.core.commands import Interrupt, TextInput
 from edgevox.core.events import Interrupted, Responded, State, StateChanged, Transcribed

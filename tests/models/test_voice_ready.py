@@ -13,7 +13,7 @@ from listener_rig import loud, says_espeak, silence
 from support.conversation import Eloquent
 from voice_rig import SLOWLY, VoiceRig
 
-from edgevox.agent.llm.grammar import SAY
+from edgevox.agent.llm.protocol import SAY
 from edgevox.core.agent_events import ToolCalled
 from edgevox.core.commands import TextInput
 from edgevox.core.events import Responded

@@ -9,7 +9,7 @@ import pytest
 from guards import run_program
 from llm_server import good, serving
 
-from edgevox.agent.llm.grammar import SAY
+from edgevox.agent.llm.protocol import SAY
 
 pytestmark = pytest.mark.long
 

@@ -22,7 +22,7 @@ sys.path.insert(0, str(Path(__file__).parents[1]))
 
 from llm_server import Server
 
-from edgevox.agent.llm.grammar import SAY
+from edgevox.agent.llm.protocol import SAY
 
 FREEZE_S = 3.0
 TARGETS = ({"x": 3.0, "y": 4.0}, {"x": 8.0, "y": 8.0})

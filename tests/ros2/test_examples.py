@@ -18,7 +18,7 @@ sys.path.insert(0, str(Path(__file__).parents[1] / "unit"))
 
 from llm_server import good, serving
 
-from edgevox.agent.llm.grammar import SAY
+from edgevox.agent.llm.protocol import SAY
 
 pytestmark = pytest.mark.long
 

@@ -221,7 +221,7 @@ class Talk:
         self.conversation.interpreter.understand = doubtful
         return self
 
-    def mean(self, *calls: Call, source: str = "model", confidence: float = ASK_FROM) -> Self:
+    def mean(self, *calls: Call, source: str = "reading", confidence: float = ASK_FROM) -> Self:
         """Understand these calls, whatever is said."""
         active = self.conversation.interpreter.active
         self.conversation.interpreter.understand = lambda text, turn: Meaning(

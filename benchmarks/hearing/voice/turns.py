@@ -18,8 +18,8 @@ from sentence_stream import SentenceBoundaryDetector
 from voice_rig import says
 
 from benchmarks.hearing.listening import quiet_room
-from edgevox.agent.llm.grammar import SAY
 from edgevox.agent.llm.language_model import ChatMessage, LanguageModel
+from edgevox.agent.llm.protocol import SAY
 from edgevox.apps.agent import build
 from edgevox.apps.agent.queries import present_voices
 from edgevox.apps.agent.voice import warm_up_hearing

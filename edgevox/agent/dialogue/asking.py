@@ -186,7 +186,7 @@ class Asking:
         """Do what is meant, or ask first; return it if it was done."""
         if meaning is None or turn.token.cancelled:
             return meaning
-        turn.decided(meaning.every_call, meaning.source, meaning.measured)
+        turn.decided(meaning.every_call, meaning.source, meaning.confidence)
         meaning = self._interpreter.as_heard(meaning, text, turn)
         return meaning if self.act(meaning, turn, text, takes_back=takes_back) else None
 
@@ -237,7 +237,7 @@ class Asking:
         if not self._performer.moving or STOP not in agent.every_skill:
             return None
         stop = Meaning(agent, (Call(STOP),), "template")
-        turn.decided(stop.calls, stop.source, stop.measured)
+        turn.decided(stop.calls, stop.source, stop.confidence)
         self.act(stop, turn)
         return stop
 
@@ -255,7 +255,7 @@ class Asking:
         )
         if meaning.program or not text or not undoable or turn.doubted or turn.plainly:
             return False
-        if self.confirm == "always" or meaning.source not in _FAIRLY_SURE_FROM:
+        if self.confirm == "always":
             return False
         if meaning.source == "reading" and self._interpreter.is_held_back(text):
             return False

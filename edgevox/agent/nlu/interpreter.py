@@ -1,8 +1,7 @@
 """The interpreter, which turns an utterance into calls of skills or into an answer in words.
 
-Templates and readings find the calls. A language model never moves the robot without a yes: it
-answers in words, hands over to another agent, and fills in arguments that take any words, if the
-sentence is an order; then the robot asks first.
+Templates and readings find the calls. A language model only talks: it answers questions about the
+world in general, or hands over to another agent.
 """
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -11,7 +10,6 @@ from functools import partial
 
 from edgevox.agent.agents import Agent, by_name
 from edgevox.agent.known import StateCondition
-from edgevox.agent.llm.calls import HANDOFF, Protocol
 from edgevox.agent.llm.language_model import (
     ChatMessage,
     LanguageModel,
@@ -19,6 +17,7 @@ from edgevox.agent.llm.language_model import (
     ModelFailed,
 )
 from edgevox.agent.llm.prompt import History, size_tokens
+from edgevox.agent.llm.protocol import Protocol
 from edgevox.agent.nlu.abilities import abilities, cannot_do, not_understood
 from edgevox.agent.nlu.apart import (
     MOST_CLAUSES,
@@ -37,7 +36,7 @@ from edgevox.agent.nlu.hearing.sounds import Phonemes
 from edgevox.agent.nlu.judging import Readings
 from edgevox.agent.nlu.lexicon import words_of
 from edgevox.agent.nlu.meaning import ASK_FROM, BACK, HEARD_FROM, REFERENCES, Meaning, Program
-from edgevox.agent.nlu.model_answer import ANSWER_TOKENS, LEAST_LIKELY, CheckedAnswer, say_by
+from edgevox.agent.nlu.model_answer import ANSWER_TOKENS, CheckedAnswer, say_by
 from edgevox.agent.nlu.order_reader import NO_CONDITIONS, ProgramReader, Read, Unclear
 from edgevox.agent.nlu.questions import (
     LIKELY_TOLD,
@@ -116,14 +115,11 @@ class Interpreter:
             else {}
         )
         self._programs = ProgramReader(code, self._conditions)
-        self._protocols = {
-            a.name: Protocol(a.instructions, _for_models(a), a.handoffs, code) for a in agents
-        }
+        self._protocols = {a.name: Protocol(a.instructions, a.handoffs, code) for a in agents}
 
-    def chat(self, text: str = "", *, acts: bool = False) -> list[ChatMessage]:
-        """The messages that the model would see for this utterance, if it `acts` or only talks."""
-        protocol = self._protocol()
-        opening = protocol.opening if acts or protocol.handoffs else protocol.talk
+    def chat(self, text: str = "") -> list[ChatMessage]:
+        """The messages that the model would see for this utterance."""
+        opening = self._protocols[self.active.name].opening
         said = [ChatMessage("user", text)] if text else []
         return [*opening, *self._history.messages(), *said]
 
@@ -279,7 +275,7 @@ class Interpreter:
         if cannot:
             turn.say(cannot, Outcome.REFUSED)
             return None
-        if whether and not _needs_model(self.active):
+        if whether and not self.active.handoffs:
             self._say_ability(text, turn)
             return None
         if not asks(text, self._code) and (unknown := self._unknown_place(text)):
@@ -292,7 +288,8 @@ class Interpreter:
         if self._model is None:
             self._say_not_understood(text, turn)
             return None
-        return self._ask_model(self._model, said, turn)
+        self._ask_model(self._model, said, turn)
+        return None
 
     def plain(self, text: str) -> Meaning | RefusedCommand | None:
         """The meaning or the refusal that the templates alone find; says nothing.
@@ -587,41 +584,20 @@ class Interpreter:
         self._history.clear()
         self.active = next(iter(self._agents.values()))
 
-    def _ask_model(self, model: LanguageModel, text: str, turn: Turn) -> Meaning | None:
-        ordered, general = self._ordered(text), self._is_general(text)
+    def _ask_model(self, model: LanguageModel, text: str, turn: Turn) -> None:
+        """Have the model answer a general question, or hand over to the agent that is to answer."""
+        general = self._is_general(text)
         had: list[str] = []  # so that two agents cannot hand over forever
         while len(had) <= MAX_HANDOFFS:
             had.append(self.active.name)
-            protocol = self._protocol().without(had)
-            if protocol.handoffs or (ordered and protocol.acts and not general):
-                calls = self._generate(model, protocol, text, turn, ordered=ordered)
-            else:
-                if general:
-                    self._talk(model, protocol, text, turn)
+            protocol = self._protocols[self.active.name].without(had)
+            asks = general or protocol.handoffs
+            name = self._talk(model, protocol, text, turn) if asks else ""
+            if name not in protocol.handoffs:
                 self._say_unknown(text, turn)
-                return None
-            handoffs = [call for call in calls if call.skill == HANDOFF]
-            if calls and not handoffs:
-                if self._leaves_out(calls, text):
-                    self._say_not_understood(text, turn)
-                    return None
-                return Meaning(self.active, tuple(calls), "model", ASK_FROM)
-            if not calls:
-                self._say_unknown(text, turn)
-                return None
-            self._hand_over(self._agents[str(handoffs[0].arguments["agent"])], turn)
+                return
+            self._hand_over(self._agents[name], turn)
         turn.say(self.phrases.say("nobody"), Outcome.FAILED)
-        return None
-
-    def _leaves_out(self, calls: Sequence[Call], text: str) -> bool:
-        """True if a model's calls act although words left out of them change or deny the order."""
-        skills = self.active.every_skill
-        if not any(skills[call.skill].drives or skills[call.skill].lasting for call in calls):
-            return False
-        for call in calls:
-            for value in call.arguments.values():
-                text = text.replace(str(value), " ")
-        return self._readings[self.active.name].hold_back(text)
 
     def _say_unclear(self, turn: Turn) -> None:
         turn.say(self.phrases.say("program_unclear"), Outcome.NOT_UNDERSTOOD)
@@ -657,37 +633,17 @@ class Interpreter:
             case _:
                 turn.say(told, Outcome.NOT_UNDERSTOOD, detail=can)
 
-    def _generate(
-        self, model: LanguageModel, protocol: Protocol, text: str, turn: Turn, *, ordered: bool
-    ) -> Sequence[Call]:
-        """The calls that the model makes; what it says instead is said if it claims nothing."""
-        chat = self.chat(protocol.prepare(text), acts=True)
-        grammar = protocol.grammar_of(ordered=ordered)
-        calls = self._say_by(model, chat, grammar, turn, CheckedAnswer(self._claims(text)))
-        return protocol.allowed(calls, text, ordered=ordered)
-
-    def _talk(self, model: LanguageModel, protocol: Protocol, text: str, turn: Turn) -> None:
-        """Have the model answer a general question."""
-        checked = CheckedAnswer(self._claims(text), LEAST_LIKELY)
-        self._say_by(model, self.chat(text), protocol.words_grammar, turn, checked)
-
-    def _say_by(
-        self,
-        model: LanguageModel,
-        chat: Sequence[ChatMessage],
-        grammar: str,
-        turn: Turn,
-        checked: CheckedAnswer,
-    ) -> Sequence[Call]:
-        """Say what passes of what the model writes, and return its calls."""
+    def _talk(self, model: LanguageModel, protocol: Protocol, text: str, turn: Turn) -> str:
+        """Say what passes of the model's answer; return the agent that it hands over to, or ""."""
+        chat, checked = self.chat(text), CheckedAnswer(self._claims(text))
         started_s = self._clock.now()
         try:
-            return say_by(model, chat, grammar, turn, checked)
+            return say_by(model, chat, protocol.grammar, turn, checked)
         except ModelFailed as error:
             log.error("model_failed", reason=str(error))  # noqa: TRY400 - its message says it all
             what = "model_busy" if isinstance(error, ModelBusy) else "model_failed"
             turn.say(self.phrases.say(what), Outcome.FAILED)
-            return ()
+            return ""
         finally:
             turn.thought(self._clock.now() - started_s)
 
@@ -696,12 +652,6 @@ class Interpreter:
         world = self._world()
         about = asks(text, self._code) and is_about_hearer(text, self._code)
         return lambda said: world.claims_for_itself(said) or (about and world.claimed_in(said))
-
-    def _protocol(self) -> Protocol:
-        """The protocol of the active agent, with the present words of its arguments."""
-        name = self.active.name
-        self._protocols[name] = self._protocols[name].renewed()
-        return self._protocols[name]
 
     def _taken(self, meaning: Meaning, turn: Turn) -> Meaning:
         """The meaning, after a hand-over to its agent."""
@@ -726,8 +676,9 @@ class Interpreter:
     def _history_budget(self) -> int:
         if self._model is None:
             return 0
-        openings = [one for p in self._protocols.values() for one in (p.opening, p.talk)]
-        longest = max(size_tokens(self._count_tokens, one) for one in openings)
+        longest = max(
+            size_tokens(self._count_tokens, one.opening) for one in self._protocols.values()
+        )
         return max(0, self._model.context_tokens - longest - 4 * ANSWER_TOKENS)
 
 
@@ -766,14 +717,3 @@ def _telling(agent: Agent, book: Phrasebook) -> SkillSet:
         for one in agent.every_skill.values()
         if book.tells(one) and not (one.moves or one.lasting or one.new_names)
     )
-
-
-def _needs_model(agent: Agent) -> bool:
-    """True if a model can hand over, or call a skill that takes any words but a new name."""
-    free = (one.free_text - one.new_names for one in agent.skills.values())
-    return bool(agent.handoffs) or any(free)
-
-
-def _for_models(agent: Agent) -> SkillSet:
-    """The skills that a model may call: they take any words, which no reading can fill in."""
-    return SkillSet(one for one in agent.skills.values() if one.free_text)

@@ -188,7 +188,7 @@ class Meaning:
     calls: tuple[Call, ...]
     """Calls to do at once; empty for a program."""
     source: str
-    """The stage that found the meaning: ``template``, ``reading`` or ``model``."""
+    """The stage that found the meaning: ``template`` or ``reading``."""
     confidence: float = 1.0
     """Confidence in the meaning, 1 for a template; below `SURE_FROM` the robot asks."""
     program: Program | None = None
@@ -198,11 +198,6 @@ class Meaning:
     def sure(self) -> bool:
         """True if it may be done without asking."""
         return self.confidence >= SURE_FROM
-
-    @property
-    def measured(self) -> float | None:
-        """The confidence; None for a language model, which measures none."""
-        return None if self.source == "model" else self.confidence
 
     def heard(self, confidence: float) -> "Meaning":
         """The meaning of words with this recognition confidence; unsure if the product is low."""

@@ -3,13 +3,12 @@
 import re
 from collections.abc import Callable, Sequence
 
-from edgevox.agent.llm.calls import OutputParser
 from edgevox.agent.llm.language_model import ChatMessage, LanguageModel, Piece
-from edgevox.agent.skills import Call
+from edgevox.agent.llm.protocol import OutputParser
 from edgevox.agent.turn import Turn
 
 ANSWER_TOKENS = 160
-"""Number of tokens that a model may generate for an answer or a sequence of calls."""
+"""Number of tokens that a model may generate for an answer."""
 
 LEAST_LIKELY = 0.15
 """A model is not sure of an answer with a less likely word. By `benchmarks.agent.everyday`, on the
@@ -21,12 +20,11 @@ _SENTENCE_END = re.compile(r"(?<=[.!?\u061f\u0964])\s+|(?<=[\u3002\uff01\uff1f])
 class CheckedAnswer:
     """Lets the sentences of a model's answer pass that make no claim and of which it is sure.
 
-    It is not if a piece is less likely than `least_likely`.
+    It is not if a piece is less likely than `LEAST_LIKELY`.
     """
 
-    def __init__(self, claims: Callable[[str], bool], least_likely: float = 0.0) -> None:
+    def __init__(self, claims: Callable[[str], bool]) -> None:
         self._claims = claims
-        self._least_likely = least_likely
         self._sure = True
         self._pieces: list[str] = []
         self.dropped = False
@@ -34,7 +32,7 @@ class CheckedAnswer:
 
     def feed(self, piece: str, likely: float = 1.0) -> list[str]:
         """The pieces of the sentences that ended in this one and may be said."""
-        self._sure = self._sure and (not piece or likely >= self._least_likely)
+        self._sure = self._sure and (not piece or likely >= LEAST_LIKELY)
         self._pieces.append(piece)
         *ended, rest = _SENTENCE_END.split("".join(self._pieces))
         return self._passed(ended, rest) if ended else []
@@ -60,8 +58,11 @@ def say_by(
     grammar: str,
     turn: Turn,
     checked: CheckedAnswer,
-) -> Sequence[Call]:
-    """Say what passes of what the model writes, and return its calls. Raises `ModelFailed`."""
+) -> str:
+    """Say what passes of what the model writes; return the agent that it hands over to, or "".
+
+    Raises `ModelFailed`.
+    """
     parser = OutputParser()
     for piece in model.generate(chat, grammar=grammar, max_tokens=ANSWER_TOKENS, token=turn.token):
         likely = piece.likely if isinstance(piece, Piece) else 1.0
@@ -71,4 +72,4 @@ def say_by(
     for told in checked.finish():
         turn.stream(told, tokens=0)
     turn.flush()
-    return () if turn.token.cancelled else parser.finish()
+    return "" if turn.token.cancelled else parser.finish()

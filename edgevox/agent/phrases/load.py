@@ -14,12 +14,12 @@ from typing import Any
 from edgevox.agent.phrases.phrasebook import Phrasebook
 from edgevox.agent.phrases.tables import (
     AnswerWords,
+    Everyday,
     Hearing,
     HouseAct,
     Numbers,
     ProgramPhrases,
     Rewriting,
-    SmallTalk,
     number_words,
     units,
 )
@@ -69,9 +69,8 @@ def _book(code: str, data: Mapping[str, Any], fallback: Phrasebook | None) -> Ph
             for name, said in data.get("dialogue", {}).items()
         }
         | skill_entries(data.get("facts", {})),
-        small_talk=_exchanges(data, "small_talk") or (fallback.small_talk if fallback else ()),
-        declined=_exchanges(data, "declined") or (fallback.declined if fallback else ()),
-        everyday=_exchanges(data, "everyday") or (fallback.everyday if fallback else ()),
+        everyday=tuple(Everyday(*one) for one in data.get("everyday", {}).items())
+        or (fallback.everyday if fallback else ()),
         acts={
             name: HouseAct(
                 tuple(one["words"]),
@@ -82,7 +81,6 @@ def _book(code: str, data: Mapping[str, Any], fallback: Phrasebook | None) -> Ph
             for name, one in data.get("acts", {}).items()
         },
         cues={name: tuple(some) for name, some in data.get("cues", {}).items()},
-        links=tuple(data.get("links", fallback.links if fallback else ())),
         smoothing=_rewritings(data.get("smoothing", ())),
         answers=_answers(data.get("answers", {})),
         programs=_programs(data.get("programs", {})),
@@ -176,10 +174,6 @@ def _skill_phrases(data: Mapping[str, Any]) -> SkillPhrases:
 
 def _several(data: Any) -> tuple[str, ...]:
     return (data,) if isinstance(data, str) else tuple(data)
-
-
-def _exchanges(data: Mapping[str, Any], name: str) -> tuple[SmallTalk, ...]:
-    return tuple(SmallTalk(asked, answer) for asked, answer in data.get(name, {}).items())
 
 
 def _rewritings(data: Any) -> tuple[Rewriting, ...]:

@@ -14,12 +14,12 @@ from typing import Any
 
 from edgevox.agent.phrases.tables import (
     AnswerWords,
+    Everyday,
     Hearing,
     HouseAct,
     Numbers,
     ProgramPhrases,
     Rewriting,
-    SmallTalk,
 )
 from edgevox.agent.skills import Example, Skill, SkillPhrases
 from edgevox.agent.skills.skill import MOST_HINTS, OneOf
@@ -187,13 +187,10 @@ class Phrasebook:
     reasons: Mapping[str, str] = field(default_factory=dict)
     arguments: Mapping[str, str] = field(default_factory=dict)
     dialogue: Mapping[str, SkillPhrases] = field(default_factory=dict)
-    small_talk: tuple[SmallTalk, ...] = ()
-    declined: tuple[SmallTalk, ...] = ()
-    everyday: tuple[SmallTalk, ...] = ()
+    everyday: tuple[Everyday, ...] = ()
     """Questions about the world in general, and, with an empty answer, what nobody can know."""
     acts: Mapping[str, HouseAct] = field(default_factory=dict)
     cues: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
-    links: tuple[str, ...] = ()
     answers: AnswerWords = field(default_factory=AnswerWords)
     smoothing: tuple[Rewriting, ...] = ()
     programs: ProgramPhrases = field(default_factory=ProgramPhrases)

@@ -199,8 +199,8 @@ class ProgramPhrases:
 
 
 @dataclass(frozen=True, slots=True)
-class SmallTalk:
-    """A sentence that is no command, and an answer to it."""
+class Everyday:
+    """A question that a model is asked, and its answer."""
 
     asked: str
     answer: str

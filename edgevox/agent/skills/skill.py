@@ -186,7 +186,7 @@ class SkillPhrases:
     done: tuple[str, ...] = ()
     """Reports of success; the first whose values are all known counts."""
     examples: tuple[Example, ...] = ()
-    """Examples for a language model."""
+    """Sentences that ask for it, whose words a reading learns."""
     arguments: Mapping[str, str] = field(default_factory=dict)
     """Names of the arguments, for messages about a wrong one: "the number of rounds"."""
     words: Mapping[str, Mapping[str, str]] = field(default_factory=dict)
@@ -219,7 +219,7 @@ class Skill:
     templates: tuple[str, ...] = ()
     """English templates of the sentences that call it."""
     examples: tuple[Example, ...] = ()
-    """English examples for a language model."""
+    """English sentences that ask for it, whose words a reading learns."""
     says: str = ""
     """English acknowledgement, formatted with the arguments."""
     done: str = ""
@@ -278,12 +278,6 @@ class Skill:
     def new_names(self) -> frozenset[str]:
         """The arguments that are new names."""
         return frozenset(name for name, extra in self._notes if isinstance(extra, NewName))
-
-    @property
-    def callable_now(self) -> bool:
-        """True if every required argument has a word to choose from."""
-        fields = self.arguments_model.model_fields
-        return all(one.words for name, one in self.choices.items() if fields[name].is_required())
 
     @cached_property
     def _notes(self) -> Sequence[tuple[str, Any]]:

@@ -8,7 +8,7 @@ from support.conversation import Eloquent, Talk
 
 from edgevox.agent.agents import Agent
 from edgevox.agent.inbox import MAX_WAITING
-from edgevox.agent.llm.grammar import SAY
+from edgevox.agent.llm.protocol import SAY
 from edgevox.agent.skills import SkillSet
 from edgevox.core.clock import SystemClock
 from edgevox.core.commands import Interrupt, Reset, RunSkill, Speak, TextInput

@@ -8,8 +8,8 @@ from guards import HUNG_S
 from support.clock import HeldClock
 from support.conversation import Eloquent, Talk
 
-from edgevox.agent.llm.grammar import SAY
 from edgevox.agent.llm.prompt import CUT_MARK
+from edgevox.agent.llm.protocol import SAY
 from edgevox.agent.skills import SkillSet, skill
 from edgevox.core.cancel import Cancelled
 from edgevox.core.commands import Heard, Interrupt, Speak, SpokenOver, TextInput, Transcribing

@@ -5,9 +5,7 @@ from collections.abc import Iterator
 import pytest
 from support.conversation import Talk
 
-from edgevox.agent.agents import Agent
-from edgevox.agent.nlu.meaning import ASK_FROM, Meaning
-from edgevox.agent.skills import NO_SKILLS, Call
+from edgevox.agent.nlu.meaning import ASK_FROM
 from edgevox.core.agent_events import Confirmation, ToolCalled
 from edgevox.core.commands import TextInput
 from edgevox.core.events import Decided, Transcribed
@@ -63,8 +61,3 @@ def test_words_that_mean_nothing_are_decided_by_nobody(rig: Talk) -> None:
     noted = told(rig, Decided)
     rig.hear("purple elephants sing")
     assert not noted
-
-
-def test_nothing_measures_how_sure_a_model_is() -> None:
-    agent = Agent("robot", "Be brief.", NO_SKILLS)
-    assert Meaning(agent, (Call("note", {"text": "milk"}),), "model", ASK_FROM).measured is None

@@ -6,8 +6,8 @@ from collections.abc import Iterator
 from guards import HUNG_S
 from support.conversation import Eloquent, Talk
 
-from edgevox.agent.llm.grammar import SAY
 from edgevox.agent.llm.language_model import ModelFailed
+from edgevox.agent.llm.protocol import SAY
 from edgevox.core.commands import Interrupt, Reset, Speak, TextInput
 from edgevox.core.events import Cause, Interrupted, Outcome, TokenGenerated, TurnEnded
 

@@ -163,7 +163,6 @@ def test_any_words_count_without_the_wake_word_while_it_counts(tmp_path):
         ("reading", ASK_FROM, "off to the kitchen with you", False),
         ("reading", SURE_FROM, "off to the kitchen with you 5", False),
         ("reading", SURE_FROM, "not off to the kitchen with you", False),
-        ("model", 1.0, "off to the kitchen with you", False),
     ],
 )
 def test_what_is_not_fairly_sure_is_asked_about(tmp_path, source, confidence, said, goes):

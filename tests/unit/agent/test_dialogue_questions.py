@@ -7,7 +7,7 @@ from support.body import FakeBody
 from support.conversation import Eloquent, Talk
 
 from edgevox.agent.dialogue.memory import MOST_EXCHANGES
-from edgevox.agent.llm.grammar import SAY
+from edgevox.agent.llm.protocol import SAY
 from edgevox.agent.phrases.load import phrasebook
 from edgevox.agent.skills import OneOf, SkillPhrases, SkillSet, skill
 from edgevox.agent.text.reasons import because

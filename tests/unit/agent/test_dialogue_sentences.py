@@ -13,7 +13,6 @@ from edgevox.agent.dialogue.skills import (
     DialogueSkills,
 )
 from edgevox.agent.known import Known
-from edgevox.agent.llm.calls import Protocol
 from edgevox.agent.nlu.meaning import REFERENCES
 from edgevox.agent.nlu.templates import Recogniser, Understood
 from edgevox.agent.phrases.load import ENGLISH, phrasebook
@@ -96,15 +95,6 @@ def test_what_a_body_understands_by_itself_it_understands_beside_these_too(code,
         for template in book.templates(one):
             sentence = say_it(book, one, template, source)
             assert beside.recognise(sentence) == alone.recognise(sentence), sentence
-
-
-@pytest.mark.parametrize("code", LANGUAGES)
-def test_a_model_is_neither_told_of_them_nor_able_to_call_them(code):
-    agent = AGENTS["panda"]
-    protocol = Protocol(agent.instructions, agent.skills, agent.handoffs, code)
-    told = " ".join(message.content for message in protocol.opening) + protocol.grammar
-
-    assert not [name for name in DIALOGUE_SKILLS if f"{name}(" in told]
 
 
 @pytest.mark.parametrize("code", [code for code in LANGUAGES if code != ENGLISH])

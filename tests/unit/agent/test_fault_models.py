@@ -20,8 +20,8 @@ from waiting import Heard
 from edgevox.agent.agents import Agent
 from edgevox.agent.conversation import Conversation
 from edgevox.agent.llm import factory, weights
-from edgevox.agent.llm.grammar import SAY
 from edgevox.agent.llm.language_model import ModelFailed
+from edgevox.agent.llm.protocol import SAY
 from edgevox.agent.llm.remote_model import EndpointModel, FallbackModel
 from edgevox.apps.agent.build import build_parts, start_parts
 from edgevox.apps.agent.queries import deafness

@@ -9,12 +9,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from edgevox.agent.llm.gbnf import Matcher
-from edgevox.agent.llm.grammar import grammar
 from edgevox.agent.llm.language_model import ModelFailed
-from edgevox.agent.skills import SkillSet
-from edgevox.robots.flat.apartment import ApartmentRobot
+from edgevox.agent.llm.protocol import grammar
 
-OF_A_ROBOT = grammar(SkillSet(ApartmentRobot().skills), handoffs=("driver", "host"))
+OF_A_ROBOT = grammar(("driver", "host"))
 
 
 def obeys(rules: str, text: str) -> bool:
@@ -46,12 +44,10 @@ def test_where_a_text_is_cut_into_pieces_does_not_matter(seed: int, data: st.Dat
         "talk: no end",
         "talk: a line\nand another.",
         "talk: One. Two. Three.",
-        "call: stop(); ",
-        "call: stop(); done!",
-        "call: fly_away(); done",
-        'call: navigate_to(room="moon"); done',
-        'call: handoff(agent="nobody"); done',
-        "call: " + "stop(); " * 6 + "done",
+        "colleague: ",
+        "colleague: nobody",
+        "colleague: driver!",
+        "call: stop(); done",
         '{"tool": "stop"}',
     ],
 )

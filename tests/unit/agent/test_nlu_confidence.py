@@ -18,7 +18,7 @@ from edgevox.core.clock import SystemClock
 
 APARTMENT = skills_of_robots()["robot-apartment"]
 EAGER = Eloquent('call: navigate_to(room="kitchen"); done')
-"""A model that calls whatever it may, whatever it was asked."""
+"""A model that would call a skill, whatever it was asked."""
 WISH = "I'd be so glad to see you in the kitchen"
 
 

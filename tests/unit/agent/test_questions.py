@@ -7,9 +7,8 @@ from support.bodies import BODIES, FACTS
 from support.body import FakeBody
 from support.conversation import Eloquent, Talk
 
-from edgevox.agent.llm.calls import Protocol
-from edgevox.agent.llm.grammar import SAY
 from edgevox.agent.llm.language_model import Piece
+from edgevox.agent.llm.protocol import SAY
 from edgevox.agent.nlu.judging import Readings
 from edgevox.agent.nlu.model_answer import CheckedAnswer
 from edgevox.agent.nlu.questions import (
@@ -25,7 +24,6 @@ from edgevox.agent.skills import Call, SkillSet
 
 BOOK = phrasebook(ENGLISH)
 NOT_KNOWN = BOOK.say("not_known")
-PROTOCOL = Protocol("Be kind.", SkillSet(()))
 WORLD = {body: WorldWords(skills.values(), BOOK) for body, skills in BODIES.items()}
 READINGS = {
     body: Readings(SkillSet(one for one in facts if not one.new_names), ENGLISH)

@@ -127,10 +127,10 @@ def test_one_state_is_the_present_one(rig) -> None:
 
 def test_wake_words_and_who_called_are_counted(rig) -> None:
     rig.bus.publish(WakeWordHeard("hey jarvis"))
-    rig.bus.publish(ToolCalled("navigate_to", {}, "model", 1))
+    rig.bus.publish(ToolCalled("navigate_to", {}, "reading", 1))
 
     assert rig.value("edgevox_wake_words_total") == 1
-    assert rig.value("edgevox_skill_calls_total", source="model") == 1
+    assert rig.value("edgevox_skill_calls_total", source="reading") == 1
 
 
 class AskedOf(Bus):

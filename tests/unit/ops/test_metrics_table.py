@@ -58,7 +58,7 @@ def test_no_series_belongs_to_two_metrics() -> None:
 
 def test_the_sets_of_labels_are_those_of_the_code() -> None:
     assert set(METRICS["edgevox_skill_goals_total"].labels["outcome"]) == set(GOAL_ENDS)
-    assert set(SOURCES) == {"template", "model", "command", "action", "program"}
+    assert set(SOURCES) == {"template", "reading", "command", "action", "program"}
 
 
 def test_a_scrape_can_be_parsed_and_holds_all_that_is_counted_from_the_start() -> None:

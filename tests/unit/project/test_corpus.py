@@ -9,7 +9,6 @@ import yaml
 from corpus_robots import is_right, skills_of_robots
 from corpus_sentences import ROBOTS, held_out, is_held_out, read_corpus, tuning
 
-from edgevox.agent.llm.prompt import examples
 from edgevox.agent.phrases.load import phrasebook
 from edgevox.agent.skills import Call
 from edgevox.agent.text.spelling import key
@@ -26,8 +25,6 @@ def product_sentences() -> Iterator[str]:
     for file in (ROOT / "edgevox").rglob("*.toml"):
         yield from strings(tomllib.loads(file.read_text(encoding="utf-8")))
     for skills in skills_of_robots().values():
-        for language in ("en", *LANGUAGES):
-            yield from (shown.sentence for shown in examples(skills, language=language))
         for one in skills.values():
             for language in LANGUAGES:
                 yield from (e.sentence for e in phrasebook(language).examples(one))

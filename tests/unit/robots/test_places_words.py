@@ -1,13 +1,10 @@
-"""Words that are learned while a robot runs: templates, grammar, prompt and checks know them."""
+"""Words that are learned while a robot runs: templates and checks know them."""
 
 from typing import Annotated
 
 import phrases
 import pytest
 
-from edgevox.agent.llm.calls import Protocol
-from edgevox.agent.llm.gbnf import Matcher
-from edgevox.agent.llm.prompt import MOST_LEARNED
 from edgevox.agent.nlu.templates import Recogniser, RefusedCommand, Understood
 from edgevox.agent.skills import Call, SkillSet, skill
 from edgevox.agent.skills.skill import OneOf
@@ -82,39 +79,9 @@ def test_an_argument_takes_what_was_learned_and_no_longer_what_was_forgotten(lea
         go.validate({"room": "charger"})
 
 
-def test_the_grammar_of_the_model_lets_it_say_the_word(learner):
-    before = Protocol("", learner.skills)
-    learner.learned = ("charger",)
-    after = before.renewed()
-
-    answer = after.render_calls([Call("go", {"room": "charger"})])
-    assert Matcher(after.grammar).accept(answer) == len(answer)
-    assert Matcher(before.grammar).accept(answer) < len(answer)
-
-
-def test_the_prompt_is_made_anew_only_when_there_are_other_words(learner):
-    before = Protocol("", learner.skills)
-    learner.learned = ("charger",)
-    after = before.renewed()
-
-    assert '"charger"' not in before.opening[0].content
-    assert '"charger"' in after.opening[0].content
-    assert after.renewed() is after
-
-
-def test_the_prompt_names_only_the_newest_of_very_many_words(learner):
-    learner.learned = tuple(f"place {number}" for number in range(200))
-    shown = "".join(message.content for message in Protocol("", learner.skills).opening)
-
-    assert '"place 199"' in shown
-    assert shown.count("place ") == MOST_LEARNED
-
-
-def test_a_skill_without_a_word_to_choose_is_not_offered_to_the_model_until_it_has_one():
+def test_a_skill_without_a_word_to_choose_is_refused_until_it_has_one():
     learner = Learner()
-    before = Protocol("", learner.skills)
     recogniser = Recogniser(learner.skills)
-    assert "go(" not in before.grammar + before.opening[0].content
     assert recogniser.recognise("go to the charger") == RefusedCommand(
         phrases.said("no_words", argument="room")
     )
@@ -122,7 +89,6 @@ def test_a_skill_without_a_word_to_choose_is_not_offered_to_the_model_until_it_h
         learner.skills["go"].validate({"room": "charger"})
 
     learner.learned = ("charger",)
-    assert "go(" in before.renewed().grammar
     assert isinstance(recogniser.recognise("go to the charger"), Understood)
 
 

@@ -170,7 +170,6 @@ def test_what_a_body_lacks_it_is_not_asked_for() -> None:
     by_an_amount = ["drive_forward", "drive_backward", "turn_left", "turn_right", "turn_around"]
     own = ["navigate_to", "turn_towards", *of_the_body, *of_its_memory, *by_an_amount]
     assert [s.name for s in bare.skills] == own
-    assert not bare.skills[0].callable_now
 
 
 @pytest.mark.parametrize(
