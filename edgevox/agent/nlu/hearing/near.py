@@ -163,10 +163,10 @@ class NearCommands:
         self._articles = frozenset(book.hearing.articles)
         acts = phrasebook(book.code).acts.values()
         usual = (*usual_places(book.code), *(words for one in acts for words in one.words))
-        self._usual = frozenset(word for one in usual for word in key(one).split())
         self._small = frozenset(
             word for one in words_of(book.code).all() for word in key(one).split()
         )
+        self._usual = frozenset(word for one in usual for word in key(one).split()) - self._small
         self._words: object = None
         self._network = Network((), {}, self._sounds)
         self._last: tuple[object, NearCommand | None] | None = None
@@ -210,7 +210,7 @@ class NearCommands:
             and min(others, default=_LEAD) >= _LEAD
             and mass >= _CLEAR_MASS
             and not self._swaps_a_word(first.heard.text, first.path)
-            and not self._swaps_sure_words(first, several)
+            and not (self._swaps_sure_words(first, several) and self._is_short(first.path))
         )
         if rate:
             rated = self._rated(found, several, rate)
@@ -270,7 +270,7 @@ class NearCommands:
             1.0 / (1.0 + rest) >= _RATED_CLEAR
             and farther <= min(_FARTHER * max(1, swapped), _FARTHEST)
             and best.path.distance <= _RATED_NEAR
-            and not (swaps_sure_words and words < _MANY_WORDS)
+            and not (swaps_sure_words and self._is_short(best.path))
         )
         sure = (
             likely
@@ -279,6 +279,10 @@ class NearCommands:
             and not self._swaps_a_known_word(differences[first], best.path)
         )
         return best, likely, sure
+
+    def _is_short(self, path: Path) -> bool:
+        """True for a sentence of so few words that each of them may change what is wanted."""
+        return len(self._spoken(path.words)) < _MANY_WORDS
 
     def _swaps_sure_words(self, one: _Candidate, several: Sequence[Hypothesis]) -> bool:
         """True if the sentence has other words than what was surely heard."""
