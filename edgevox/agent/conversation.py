@@ -415,8 +415,8 @@ class Conversation:
                 self._executor.perform([Call(name, arguments)], self._skills, turn, "command")
             case inbox.Announce(text=text, detail=detail):
                 turn.say(text, detail=detail)
-            case inbox.Stopped(told=told, before=before, after=after):
-                self._go_on(told, after, before, turn)
+            case inbox.Stopped():
+                self._go_on(item, turn)
             case inbox.CountedDown():
                 self._asking.counted_down(turn)
             case inbox.Forget():
@@ -430,12 +430,13 @@ class Conversation:
             case _:
                 assert_never(item)
 
-    def _go_on(self, told: str, after: str, before: str, turn: Turn) -> None:
-        """Tell of the stop, and take up what the words after the stop word want instead."""
+    def _go_on(self, stopped: inbox.Stopped, turn: Turn) -> None:
+        """Tell of the stop, and take up what else the words want."""
         self._states.enter(State.THINKING, turn)
-        if told:
-            turn.say(told)
-        self._asking.go_on(after, before, turn)
+        if stopped.told:
+            turn.say(stopped.told)
+        stood = ("", "") if stopped.told else (clean(stopped.words.text), stopped.word)
+        self._asking.go_on(stopped.after, stopped.before, turn, stood)
         if not turn.text and turn.outcome is not Outcome.ACTED:
             turn.say(self._stopping.in_words(STANDING))
         turn.settle()

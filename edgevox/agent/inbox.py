@@ -72,12 +72,14 @@ class TooLong:
 
 @dataclass(frozen=True, slots=True)
 class Stopped:
-    """The robot stopped for words that go on after their stop word: "wait, the office"."""
+    """The robot stopped for words that say more than a stop word: "wait, the office"."""
 
     told: str
-    """The sentence to say about the stop; may be empty."""
+    """The sentence to say about the stop; empty if it stood."""
     words: TextInput | Heard
     """What was said."""
+    word: str
+    """The stop word."""
     before: str
     """The words before the stop word."""
     after: str

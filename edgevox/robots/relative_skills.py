@@ -61,7 +61,7 @@ def where(pose: Pose2D) -> dict[str, float]:
 
 
 def _drive_forward(body: DrivingBody) -> Skill:
-    @skill(relative=True, undoable=True, little=_LITTLE_M)
+    @skill(relative=True, undoable=True, opposite="drive_backward", little=_LITTLE_M)
     def drive_forward(goal: GoalHandle, distance: Distance = 1.0) -> Result:
         """Drive straight ahead for a distance in metres, around nothing."""
         return _drive(body, goal, distance)
@@ -70,7 +70,13 @@ def _drive_forward(body: DrivingBody) -> Skill:
 
 
 def _drive_backward(body: DrivingBody) -> Skill:
-    @skill(relative=True, undoable=True, little=_LITTLE_M, towards_rad=math.pi)
+    @skill(
+        relative=True,
+        undoable=True,
+        opposite="drive_forward",
+        little=_LITTLE_M,
+        towards_rad=math.pi,
+    )
     def drive_backward(goal: GoalHandle, distance: Distance = 1.0) -> Result:
         """Drive straight back for a distance in metres, where it can see behind itself."""
         return _drive(body, goal, -distance)
@@ -79,7 +85,7 @@ def _drive_backward(body: DrivingBody) -> Skill:
 
 
 def _turn_left(body: TurningBody) -> Skill:
-    @skill(relative=True, undoable=True, little=_LITTLE_DEG)
+    @skill(relative=True, undoable=True, opposite="turn_right", little=_LITTLE_DEG)
     def turn_left(goal: GoalHandle, degrees: Degrees = 90.0) -> Result:
         """Turn to the left on the spot, by an angle in degrees."""
         return _turn(body, goal, degrees)
@@ -88,7 +94,7 @@ def _turn_left(body: TurningBody) -> Skill:
 
 
 def _turn_right(body: TurningBody) -> Skill:
-    @skill(relative=True, undoable=True, little=_LITTLE_DEG)
+    @skill(relative=True, undoable=True, opposite="turn_left", little=_LITTLE_DEG)
     def turn_right(goal: GoalHandle, degrees: Degrees = 90.0) -> Result:
         """Turn to the right on the spot, by an angle in degrees."""
         return _turn(body, goal, -degrees)
@@ -149,7 +155,7 @@ def walking_skills(body: WalkingBody) -> tuple[Skill, ...]:
 
 
 def _walk_forward(body: WalkingBody) -> Skill:
-    @skill(relative=True, undoable=True, little=_LITTLE_M)
+    @skill(relative=True, undoable=True, opposite="walk_backward", little=_LITTLE_M)
     def walk_forward(goal: GoalHandle, distance: Distance = 1.0) -> Result:
         """Walk straight ahead for a distance in metres."""
         return _walk(body, goal, distance)
@@ -158,7 +164,9 @@ def _walk_forward(body: WalkingBody) -> Skill:
 
 
 def _walk_backward(body: WalkingBody) -> Skill:
-    @skill(relative=True, undoable=True, little=_LITTLE_M, towards_rad=math.pi)
+    @skill(
+        relative=True, undoable=True, opposite="walk_forward", little=_LITTLE_M, towards_rad=math.pi
+    )
     def walk_backward(goal: GoalHandle, distance: Distance = 1.0) -> Result:
         """Walk straight back for a distance in metres."""
         return _walk(body, goal, -distance)

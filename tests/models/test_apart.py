@@ -8,7 +8,8 @@ from corpus_robots import skills_of_robots
 from edgevox.agent.agents import Agent
 from edgevox.agent.nlu.decider import Decider
 from edgevox.agent.nlu.interpreter import Interpreter
-from edgevox.agent.skills import Call
+from edgevox.agent.nlu.meaning import REFERENCES
+from edgevox.agent.skills import Call, GoalHandle, Skill, SkillSet, skill
 from edgevox.agent.turn import Turn
 from edgevox.apps.agent.models import open_decider
 from edgevox.core.bus import Bus
@@ -279,3 +280,71 @@ def test_words_that_deny_a_motion_end_the_one_that_goes_on(language, says):
 )
 def test_other_words_end_no_motion(says):
     assert not interpreter("apartment").denies_motion(says)
+
+
+def reference(name: str) -> Skill:
+    def refer(goal: GoalHandle) -> None:
+        """Refer to what was done before."""
+
+    refer.__name__ = name
+    return skill(moves=False)(refer)
+
+
+@pytest.mark.parametrize(
+    ("language", "says", "refers"),
+    [
+        ("en", "haha brilliant, let's have that one more time", "again"),
+        ("en", "same thing but the other way round now", "the_other"),
+        ("en", "just a smidge more than that", "further"),
+        ("de", "und jetzt genau andersrum", "the_other"),
+        ("fr", "allez, refais-le une fois de plus pour voir", "again"),
+        ("es", "ahora lo mismo pero hacia el otro lado, venga", "the_other"),
+        ("pt", "faz isso outra vez, vai", "again"),
+        ("zh", "噢再来一遍看看", "again"),
+    ],
+)  # fmt: skip
+def test_what_was_done_before_is_referred_to_in_any_words_and_asked_about(language, says, refers):
+    agent = Agent(
+        "robot",
+        "",
+        skills_of_robots()["robot-apartment"],
+        dialogue_skills=SkillSet(map(reference, REFERENCES)),
+    )
+    one = Interpreter([agent], Bus(), SystemClock(), decider=open_decider())
+    one.set_language(language)
+    meaning = one.understand(says, Turn(1, Bus(), SystemClock(), lambda: None))
+
+    assert meaning is not None
+    assert (meaning.calls, meaning.sure) == ((Call(refers),), False)
+
+
+@pytest.mark.parametrize(
+    "says",
+    [
+        "no no too much, come back a bit",
+        "again, but two metres",
+        "and after that?",
+        "never do that again",
+        "if you do that again I'll switch you off",
+        "do it again later",
+    ],
+)
+def test_what_changes_it_or_asks_something_refers_to_nothing(says):
+    agent = Agent(
+        "robot",
+        "",
+        skills_of_robots()["robot-apartment"],
+        dialogue_skills=SkillSet(map(reference, REFERENCES)),
+    )
+    one = Interpreter([agent], Bus(), SystemClock(), decider=open_decider())
+    meaning = one.understand(says, Turn(1, Bus(), SystemClock(), lambda: None))
+
+    assert not meaning or not {call.skill for call in meaning.calls} & set(REFERENCES)
+
+
+def test_an_act_that_no_skill_does_is_none_of_what_is_only_told():
+    said = "In ten minutes go to the kitchen, that's when I take my tablets."
+    assert "carry" not in understood("apartment", said)[2]
+    assert understood("apartment", "now make turn on the left, a little")[0] == [
+        Call("turn_left", {"degrees": 20.0})
+    ]

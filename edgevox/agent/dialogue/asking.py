@@ -366,13 +366,17 @@ class Asking:
             self._put(Question(meant, text, turn.number, tuple(instead), tuple(sentences)), turn)
         return None
 
-    def go_on(self, text: str, before: str, turn: Turn) -> Meaning | None:
+    def go_on(
+        self, text: str, before: str, turn: Turn, stood: tuple[str, str] = ("", "")
+    ) -> Meaning | None:
         """Take up what a person wants in place of what was stopped, or of the words `before`.
 
-        The robot asks before it moves. Words that mean nothing to it are left alone.
+        If nothing moved, `stood` is the whole text with its stop word: it may ask for something as
+        well. The robot asks before it moves. Words that mean nothing to it are left alone.
         """
         turn.doubted = True
-        read = self._corrections.after_stop(text, before)
+        read = self._corrections.after_stop(text, before) if text else None
+        read = read or (self._interpreter.beside_stop(*stood) if stood[0] else None)
         if isinstance(read, RefusedCommand):
             turn.say(read.reason, Outcome.REFUSED, detail=read.detail)
         if not isinstance(read, Meaning):

@@ -86,7 +86,7 @@ class References:
         return moved is not None and self._skills[moved.skill].relative
 
     def other(self) -> Sequence[Call]:
-        """The last motion with the other word, if there is one choice between just two words.
+        """The last motion the other way, or with the other word of a choice between just two words.
 
         It may be running still: "no, the other one".
         """
@@ -94,6 +94,8 @@ class References:
         if asked is None or asked.program or not self._dialogue.repeatable(asked):
             raise SkillFailed(because("nothing_before"))
         calls = tuple(asked.calls)
+        if len(calls) == 1 and (opposite := self._opposite(calls[0])):
+            return (Call(opposite, calls[0].arguments),)
         chosen = {old for call in calls for _, old, _ in self._chosen(call)}
         if not chosen:
             raise SkillFailed(because("nothing_before"))
@@ -110,10 +112,14 @@ class References:
             raise SkillFailed(because("which_one", choices=others or tuple(sorted(chosen))))
         return _exchanged(calls, chosen.pop(), others[0])
 
-    def was_stopped(self) -> bool:
-        """True if the last motion that words asked for was stopped."""
+    def other_is_unsure(self) -> bool:
+        """True if "the other" asks first: the last motion was stopped, or went by an amount."""
         asked = self._dialogue.asked(self._moved)
-        return asked is not None and asked.stopped
+        return asked is not None and (asked.stopped or any(map(self._opposite, asked.calls)))
+
+    def _opposite(self, call: Call) -> str:
+        one = self._skills.get(call.skill)
+        return one.opposite if one and one.opposite in self._skills else ""
 
     def also(self, value: str) -> Sequence[Call]:
         """The last calls with this word, if it can replace only one word."""

@@ -194,7 +194,7 @@ class DialogueSkills:
             turn.write(self._answers.can()[1])
         said = {call.skill for call in meaning.calls}
         unsure = BACK in said and self._references.may_reverse()
-        if unsure or RESUME in said or (THE_OTHER in said and self._references.was_stopped()):
+        if unsure or RESUME in said or (THE_OTHER in said and self._references.other_is_unsure()):
             meaning = replace(meaning, confidence=min(meaning.confidence, ASK_FROM))
         return replace(meaning, agent=self._owner(meaning.agent, calls), calls=calls)
 

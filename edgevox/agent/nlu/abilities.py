@@ -66,13 +66,18 @@ _ANY, _GAP = "*", "qzq"
 
 
 def cannot_do(
-    text: str, book: Phrasebook, skills: Sequence[Skill], ordered: Callable[[], bool]
+    text: str,
+    book: Phrasebook,
+    skills: Sequence[Skill],
+    ordered: Callable[[], bool],
+    other: Callable[[str], bool],
 ) -> tuple[str, bool]:
     """The sentences that name what a text asks for and these skills cannot do; empty for none.
 
     "Go to the kitchen and bring me the mug" asks to carry something. In each clause the longest
     wording counts, where it begins; in a text that is `ordered` also behind other words, unless
-    they deny. What a speaker plans to do counts only in its own wording.
+    they deny. What a speaker plans to do counts only in its own wording, and no clause that plainly
+    asks for something `other`, or for nothing.
     The second value is False for a text of one clause whose act is done where a thing is, so that
     a place in it is no place to go to: "pause the music in the kitchen".
     """
@@ -89,6 +94,8 @@ def cannot_do(
             if not asked and (behind := _acts_behind(clause, book)) and ordered():
                 asked = behind
         wording, name = max(asked, key=lambda one: len(one[0]), default=("", ""))
+        if wording and other(clause):
+            continue
         if wording and names.isdisjoint(english[name].by) and not _words(wording) <= own:
             found[acts[name].cannot] = len(clauses) > 1 or not english[name].in_place
     return " ".join(found), any(found.values())

@@ -11,10 +11,11 @@ from enum import Enum
 from functools import cache
 from itertools import pairwise
 
-from edgevox.agent.nlu.decider import NOT_NOW, Decider
+from edgevox.agent.nlu.decider import LIKELY_TALK, NOT_NOW, TALK, Decider
 from edgevox.agent.nlu.evidence import QUESTION_MARKS
 from edgevox.agent.nlu.judging import Readings
 from edgevox.agent.nlu.lexicon import Lexicon, plain, words_of
+from edgevox.agent.nlu.meaning import BACK, RESUME, THE_OTHER
 from edgevox.agent.skills import Call
 from edgevox.agent.stop.words import find_stop_word
 from edgevox.core.languages import LANGUAGES
@@ -36,10 +37,17 @@ GUESSES: Mapping[str, tuple[str, ...]] = {
 }
 """The skills that do what the encoder says is asked for, by its kinds."""
 
-_GUESSED = frozenset(name for names in GUESSES.values() for name in names)
+REFERRED: Mapping[str, str] = {
+    "again": "again",
+    "further": "further",
+    "other_way": THE_OTHER,
+    "resume": RESUME,
+    "return": BACK,
+    "the_other": THE_OTHER,
+}
+"""The references to a motion before that the encoder tells, by its kinds."""
 
-REMARK = "talk"
-"""Kind of a clause that asks for nothing."""
+_GUESSED = frozenset(name for names in GUESSES.values() for name in names)
 
 OTHER = "other"
 """Kind of an order that is none of these."""
@@ -47,11 +55,14 @@ OTHER = "other"
 LIKELY_ASKED, LIKELY_ALONE = 0.6, 0.8
 """Least likelihood of what a clause asks for, and of that without an amount or a place."""
 
+LIKELY_REFERRED = 0.6
+"""Least likelihood of words that refer to a motion before."""
+
+PLAINLY_ASKED = 0.9
+"""Least likelihood of what a clause asks for whatever its words are."""
+
 LIKELY_MORE = 0.7
 """Least likelihood of an order beside those that were read."""
-
-LIKELY_TALK, PLAINLY_TALK = 0.5, 0.85
-"""Least likelihood of a remark beside an order, and of one alone."""
 
 _MARKS = re.compile(
     r"[,;:.!?\u2026\u060c\u061b\u061f\u0964]+(?=\s|$)"
@@ -232,10 +243,10 @@ class ClauseReader:
 
         It `opens` the text if nothing was asked before it.
         """
-        if self._readings.is_bound(clause):
+        if self._readings.is_bound(clause) or self._decider.puts_off(clause):
             return False
         kind, likely = self._decider.asked(clause)
-        talks = kind == REMARK and likely >= LIKELY_TALK
+        talks = kind == TALK and likely >= LIKELY_TALK
         small = self._readings.is_reason(clause) or self._readings.is_urge(clause)
         if kind in GUESSES and likely >= LIKELY_MORE and not small:
             return False
@@ -323,3 +334,11 @@ def _unjoined(clause: str, joints: Sequence[str], code: str) -> str:
         if clause.casefold().startswith(f"{one}{space}") and (space or len(one) > 1):
             return clause[len(one) :].strip()
     return clause
+
+
+def without_joint(text: str, joints: Sequence[str], code: str) -> str:
+    """The text without the word that joins it to what follows: "go there and"; "" without one."""
+    space = " " if LANGUAGES[code].spaced else ""
+    bare = text.rstrip(" ,")
+    ends = [one for one in joints if bare.casefold().endswith(f"{space}{one}")]
+    return bare[: -len(max(ends, key=len))].rstrip(" ,") if ends else ""

@@ -20,6 +20,18 @@ it is asked about."""
 NOW, LEAVES, DENIED = "now", "leave", "denied"
 """The kinds of words for now, of those that want the robot out of a place, and of denials."""
 
+TALK = "talk"
+"""The kind of words that ask for nothing."""
+
+LIKELY_TALK, PLAINLY_TALK = 0.5, 0.85
+"""Least likelihood of a remark beside an order, and of one alone."""
+
+PUT_OFF = ("condition", "later", "taken_back")
+"""The kinds of words that put an order off or take it back."""
+
+LIKELY_PUT_OFF = 0.5
+"""Least likelihood of such words beside an order."""
+
 LIKELY_LEFT = 0.5
 """Least likelihood of words that want the robot out of a place."""
 
@@ -62,9 +74,14 @@ class Decider:
         now = self.for_now(text) if judged.evidence["moves"] else 1.0
         if now < NOT_NOW:
             return None
-        if _is_doubtful(judged, order) or now < PERHAPS_NOT_NOW:
+        talks = bool(judged.evidence["moves"]) and order < 0 and self._is_talk(text)
+        if _is_doubtful(judged, order) or now < PERHAPS_NOT_NOW or talks:
             confidence = min(confidence, _DOUBTFUL)
         return Decision(judged.reading.calls, confidence) if confidence >= ASK_FROM else None
+
+    def _is_talk(self, text: str) -> bool:
+        kind, likely = self.asked(text)
+        return kind == TALK and likely >= PLAINLY_TALK
 
     def is_order(self, text: str) -> bool:
         """True if the sentence is an order to the hearer, of any content."""
@@ -83,6 +100,11 @@ class Decider:
         written = text.rstrip(" .!") + "."  # as the head has learned them
         kind, likely = self._head.meant.likeliest(self._features(written))
         return kind == LEAVES and likely >= LIKELY_LEFT
+
+    def puts_off(self, text: str) -> bool:
+        """True if a clause most likely puts off what is ordered beside it, or takes it back."""
+        features = self._features(text)
+        return sum(self._head.meant.likelihood(o, features) for o in PUT_OFF) >= LIKELY_PUT_OFF
 
     def denied(self, text: str) -> float:
         """Likelihood of words about a motion not to want it."""

@@ -20,27 +20,48 @@ from edgevox.agent.llm.prompt import History, size_tokens
 from edgevox.agent.llm.protocol import Protocol
 from edgevox.agent.nlu.abilities import abilities, cannot_do, not_understood
 from edgevox.agent.nlu.apart import (
+    GUESSES,
+    LIKELY_REFERRED,
     MOST_CLAUSES,
+    PLAINLY_ASKED,
+    REFERRED,
     Clause,
     ClauseReader,
     Rest,
     asks_for_motion,
     clauses_of,
     is_taken_back,
+    without_joint,
 )
-from edgevox.agent.nlu.decider import LIKELY_DENIED, PLAINLY_DENIED, Decider, Decision
+from edgevox.agent.nlu.decider import (
+    LIKELY_DENIED,
+    PERHAPS_NOT_NOW,
+    PLAINLY_DENIED,
+    TALK,
+    Decider,
+    Decision,
+)
 from edgevox.agent.nlu.disfluencies import fluent
 from edgevox.agent.nlu.hearing.hypotheses import breaks_off, is_contested, is_same, likeliest
 from edgevox.agent.nlu.hearing.near import NearCommands
 from edgevox.agent.nlu.hearing.sounds import Phonemes
 from edgevox.agent.nlu.judging import Readings
 from edgevox.agent.nlu.lexicon import words_of
-from edgevox.agent.nlu.meaning import ASK_FROM, BACK, HEARD_FROM, REFERENCES, Meaning, Program
+from edgevox.agent.nlu.meaning import (
+    ASK_FROM,
+    BACK,
+    HEARD_FROM,
+    REFERENCES,
+    THE_OTHER,
+    Meaning,
+    Program,
+)
 from edgevox.agent.nlu.model_answer import ANSWER_TOKENS, CheckedAnswer, say_by
 from edgevox.agent.nlu.order_reader import NO_CONDITIONS, ProgramReader, Read, Unclear
 from edgevox.agent.nlu.questions import (
     LIKELY_TOLD,
     MOST_STRANGE,
+    PLAINLY_TOLD,
     WorldWords,
     asks,
     asks_whether,
@@ -162,7 +183,7 @@ class Interpreter:
             return self._taken(near, turn)
         meaning = self._judged(text, turn, refused=plain is not None)
         if meaning and not (meaning.sure and _acts(meaning)):
-            meaning = asked or meaning
+            meaning = asked or self._referred(text, PLAINLY_ASKED) or meaning
         if meaning and (meaning.sure or not near) and not (program and _drives(meaning)):
             return self._taken(meaning, turn)
         if meaning and isinstance(program, Unclear):  # not for now, so not done
@@ -172,13 +193,33 @@ class Interpreter:
             return self._taken(meaning, turn)
         if asked:
             return self._taken(asked, turn)
-        if program is None and plain is None and (meaning := self._apart(text)):
-            return self._taken(meaning, turn)
+        beside = None if program or plain else self._apart(text) or self._referred(text)
+        if beside:
+            return self._taken(beside, turn)
         refused = program if isinstance(program, RefusedCommand) else plain
         if refused:
             turn.say(refused.reason, Outcome.REFUSED, detail=refused.detail)
             return None
         return self._answer(text, said, turn)
+
+    def beside_stop(self, text: str, word: str) -> Meaning | None:
+        """What a text with a stop word asks of a robot that stands: asked about if it moves it.
+
+        Only what the word is joined to counts: "turn right, walk half a metre, then stop", but not
+        "stop going there" or "go to the kitchen, stop". A question counts whole.
+        """
+        before, found, _ = text.casefold().partition(word)
+        before = text[: len(before)].rstrip() if found else ""
+        ordered = without_joint(before, self.phrases.hearing.joints, self._code)
+        later = self._decider and self._decider.for_now(ordered) < PERHAPS_NOT_NOW
+        if not ordered or later:
+            return self._asked(text)
+        plain = self.plain(ordered)
+        program, _ = self._program(ordered, ordered)
+        if isinstance(program, Program):
+            return Meaning(self.active, (), "reading", ASK_FROM, program=program)
+        meant = plain if isinstance(plain, Meaning) else self._read(ordered) or self._apart(ordered)
+        return meant.heard(0.0) if meant else None
 
     def _program(self, said: str, text: str) -> tuple[Read, bool]:
         """The program in what was said, or in its text without false starts."""
@@ -226,6 +267,24 @@ class Interpreter:
         if _refers_behind(meaning):
             return None
         return meaning if _drives(meaning) or _refers(meaning) else None
+
+    def _referred(self, text: str, least: float = LIKELY_REFERRED) -> Meaning | None:
+        """What a text most likely refers to that was done before: "one more time, please".
+
+        None for a text with a name or a number, which changes what was done.
+        """
+        if self._decider is None:
+            return None
+        kind, likely = self._decider.asked(text)
+        readings = self._readings[self.active.name]
+        if asks(text, self._code) and likely < PLAINLY_ASKED:
+            return None
+        if REFERRED.get(kind, "") not in self.active.every_skill or likely < least:
+            return None
+        against = REFERRED[kind] != THE_OTHER and readings.objections(text)
+        if against or self._world().named_in(text) or readings.has_amount(text):
+            return None
+        return Meaning(self.active, (Call(REFERRED[kind]),), "reading", ASK_FROM)
 
     def _rest_of(self, text: str, meaning: Meaning, *, corrected: bool) -> Rest:
         """What a text holds beside a sure reading that drives."""
@@ -360,7 +419,18 @@ class Interpreter:
         if asks(text, self._code):
             return "", False
         skills = self._every_skill()
-        return cannot_do(text, self.phrases, skills, lambda: self._ordered(text))
+        return cannot_do(
+            text, self.phrases, skills, lambda: self._ordered(text), self._asks_nothing_more
+        )
+
+    def _asks_nothing_more(self, clause: str) -> bool:
+        """True for a clause that is plainly a remark, or asks for a motion of this robot."""
+        if self._decider is None:
+            return False
+        kind, likely = self._decider.asked(clause)
+        can = any(name in self.active.skills for name in GUESSES.get(kind, ()))
+        remark = kind == TALK and not self._decider.is_order(clause)
+        return likely >= PLAINLY_ASKED and (can or remark)
 
     def _without_acts(self, meaning: Meaning | None, text: str, turn: Turn) -> Meaning | None:
         """The reading, asked about if the words ask for something besides that no skill can do.
@@ -428,7 +498,8 @@ class Interpreter:
         if likely < LIKELY_TOLD or self._orders_beside(text):
             return None
         for agent in self._active_first():
-            if call := question_about(kind, text, self._questions[agent.name].lexicon):
+            lexicon, plainly = self._questions[agent.name].lexicon, likely >= PLAINLY_TOLD
+            if call := question_about(kind, text, lexicon, plainly=plainly):
                 return Meaning(agent, (call,), "reading", ASK_FROM)
         return None
 

@@ -261,6 +261,10 @@ class Readings:
         """True if a text has a number."""
         return any(map(is_number, _tokens(text, self.lexicon)))
 
+    def has_amount(self, text: str) -> bool:
+        """True if a text has another number than the one of "one more time"."""
+        return any(is_number(one) and float(one) != 1 for one in _tokens(text, self.lexicon))
+
     def named_in(self, text: str) -> Set[str]:
         """The words of arguments that a text names."""
         lexicon = self.lexicon

@@ -27,8 +27,8 @@ _LEAST_TOLD = 4.0, 2.8
 that does."""
 _LEAST_LEAD = 2.0, 1.0
 """Least lead in weight over another question, for either."""
-LIKELY_TOLD = 0.6
-"""Least likelihood of a question to the robot, by the encoder alone."""
+LIKELY_TOLD, PLAINLY_TOLD = 0.6, 0.95
+"""Least likelihood of a question to the robot, by the encoder alone, and of one in any words."""
 MOST_STRANGE = 0.17, 0.25
 """Largest share of unknown words in either: "how fast is light" is no question to the robot."""
 _MOST_STRANGE_SIGNS = 0.5
@@ -50,14 +50,16 @@ def question_of(judged: Judged | None, text: str, code: str) -> Call | None:
     return part.call if told and known and clear else None
 
 
-def question_about(kind: str, text: str, lexicon: Lexicon) -> Call | None:
+def question_about(kind: str, text: str, lexicon: Lexicon, *, plainly: bool = False) -> Call | None:
     """The question of this kind, a skill that tells something, with the names in a text.
 
-    None for a text that asks nothing or has no word of such a question, and if a name is missing,
-    or one is no value of it; and for one of the speaker alone: "what is my name".
+    None if a name is missing, or one is no value of it; for one of the speaker alone: "what is my
+    name"; and, unless it is `plainly` of this kind, for a text that asks nothing or has no word of
+    such a question.
     """
     one, code = lexicon.skills.get(kind), lexicon.book.code
-    if one is None or not (asks(text, code) or _opens_a_clause(text, words_of(code).talking, code)):
+    asking = plainly or asks(text, code) or _opens_a_clause(text, words_of(code).talking, code)
+    if one is None or not asking:
         return None
     words = words_of(code)
     if _holds(text, words.me, code) and not _holds(text, words.you, code):
@@ -66,8 +68,14 @@ def question_about(kind: str, text: str, lexicon: Lexicon) -> Call | None:
     names, weights = find_names(lexicon, tokens), lexicon.words[kind].weights
     used = all(any(skill == kind for skill, _ in name.values) for name in names)
     small = lexicon.index(words.all()).places(tokens)
-    said = names or any(
-        weights.get(word, 0.0) >= _LEAST_SAID for at, word in enumerate(tokens) if at not in small
+    said = (
+        plainly
+        or names
+        or any(
+            weights.get(word, 0.0) >= _LEAST_SAID
+            for at, word in enumerate(tokens)
+            if at not in small
+        )
     )
     return _call(one, names) if used and said else None
 

@@ -3,12 +3,12 @@
 import re
 from collections.abc import Iterator, Sequence
 
-from edgevox.agent.nlu.apart import OTHER, PLAINLY_TALK, REMARK, clauses_of
-from edgevox.agent.nlu.decider import Decider
+from edgevox.agent.nlu.apart import OTHER, clauses_of
+from edgevox.agent.nlu.decider import PLAINLY_TALK, TALK, Decider
 from edgevox.agent.nlu.evidence import QUESTION_MARKS
 from edgevox.agent.nlu.questions import asks
 
-CHATS, CHATS_APART = 0.4, 0.6
+CHATS, CHATS_APART = 0.5, 0.6
 """Least likelihood of small talk, and of that in one of several clauses."""
 
 CHATS_PLAINLY = 0.8
@@ -38,7 +38,7 @@ def small_talk_in(text: str, code: str, decider: Decider, least: float = CHATS) 
     kind, likely = decider.small_talk(text)
     if likely >= least:
         return kind
-    if least > CHATS or {decider.asked(one)[0] for one in clauses} != {REMARK}:
+    if least > CHATS or {decider.asked(one)[0] for one in clauses} != {TALK}:
         return ""
     kind, likely = max(kinds, key=lambda one: one[1])
     return kind if likely >= CHATS_APART else ""
@@ -58,7 +58,7 @@ def reply_to(text: str, code: str, decider: Decider | None, *, speaks: bool) -> 
         return "not_known"
     if decider is not None and not speaks and decider.is_order(text):
         return "no_ability"
-    return "no_answer" if kind == REMARK and likely >= PLAINLY_TALK else ""
+    return "no_answer" if kind == TALK and likely >= PLAINLY_TALK else ""
 
 
 def _with_marks(clauses: Sequence[str], text: str) -> Iterator[str]:

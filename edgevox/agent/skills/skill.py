@@ -238,6 +238,8 @@ class Skill:
     """Raises `SkillFailed` if it cannot begin now, before it replaces what moves the robot."""
     relative: bool = False
     """True if it moves by an amount and not to a place, so that it can go on further."""
+    opposite: str = ""
+    """Name of the skill that moves it the other way, by the same arguments; empty for none."""
     little: Mapping[str, float] = field(default_factory=dict)
     """What "a little" means for its arguments, said with the answer."""
     towards_rad: float = 0.0
@@ -327,6 +329,7 @@ def skill(
     phrases: Mapping[str, SkillPhrases] | None = None,
     check: Callable[..., None] | None = None,
     relative: bool = False,
+    opposite: str = "",
     little: Mapping[str, float] | None = None,
     towards_rad: float = 0.0,
     lasting: bool = False,
@@ -351,6 +354,7 @@ def skill(
             phrases=phrases or {},
             check=check,
             relative=relative,
+            opposite=opposite,
             little=little or {},
             towards_rad=towards_rad,
             lasting=lasting,

@@ -13,6 +13,7 @@ from edgevox.agent.phrases.phrasebook import Phrasebook
 from edgevox.agent.programs.keeper import Programs
 from edgevox.agent.stop.words import SafetyWords
 from edgevox.agent.text.reasons import because, called_off
+from edgevox.agent.text.spelling import key
 from edgevox.agent.turn import StateMachine, Turn
 from edgevox.core.agent_events import HeardBy, SafetyPreempted
 from edgevox.core.bus import Bus
@@ -170,18 +171,22 @@ class Stopping:
 
     def hears(self, words: TextInput | Heard) -> bool:
         """Stop if these words hold a stop word; return whether they do."""
-        word = self._safety.find(words.text) or self._nearly(words)
+        word = self._safety.find(words.text) or self._while_moving(words)
         if word:
             self._stop_word(word, words)
         elif isinstance(words, Heard) and words.spotted:
             self._tell_spotted()
         return word is not None
 
-    def _nearly(self, words: TextInput | Heard) -> str | None:
-        """The stop word that these spoken words sound like; None while nothing moves."""
-        if self._near is None or not isinstance(words, Heard) or self._executor.moving is None:
+    def _while_moving(self, words: TextInput | Heard) -> str | None:
+        """The stop word that opens these words, or that they sound like; None while nothing moves.
+
+        "Wait, I wasn't ready" stops a robot that moves, and tells one that stands nothing.
+        """
+        if self._executor.moving is None:
             return None
-        return self._near.find(words.text)
+        nearly = self._near.find(words.text) if self._near and isinstance(words, Heard) else None
+        return self._safety.opens(words.text) or nearly
 
     def heed(self, sound: StopSpotted | SpokenOn) -> None:
         """Act on a sound at once, before its words are known."""
@@ -254,12 +259,13 @@ class Stopping:
         tell = stopped or untold or not spotted
         told = _weightier(untold, _told(stopped=stopped, waited=waited)) if tell else ""
         before, after = self._safety.around(word, words.text)
-        if after:
+        more = told == STANDING and key(words.text) != key(word)
+        if after or more:
             mark, said = self._interlock.mark, "" if told == STANDING else told
             text = self.in_words(said) if said else ""
             self._have_answered(
                 words,
-                lambda own: self._continue(inbox.Stopped(text, own, before, after), mark),
+                lambda own: self._continue(inbox.Stopped(text, own, word, before, after), mark),
                 lambda: self._answer(said),
             )
         else:

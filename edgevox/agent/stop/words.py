@@ -8,7 +8,7 @@ same word. `[stop]` of `core/languages/*.toml` has the words, `stopping` acts on
 
 import re
 from collections import defaultdict
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from itertools import chain
@@ -62,6 +62,11 @@ class SafetyWords:
     def find(self, text: str) -> str | None:
         """The stop word in this utterance, as the table spells it, or None."""
         return find_stop_word(self._code, text)
+
+    def opens(self, text: str) -> str | None:
+        """The stop word that hesitates and opens this utterance: "oh wait, I wasn't ready"."""
+        opening = (_rules(self._code).opens(one) for one in readings(text[:MAX_CHARACTERS]))
+        return next(filter(None, opening), None)
 
     def around(self, word: str, text: str) -> tuple[str, str]:
         """The text before and after this stop word, if people go on after it: "wait, the office".
@@ -154,6 +159,24 @@ class _Rules:
                 return denied and begins
             rest, denied = rest[size:], denied or denial > 0
         return denied
+
+    def opens(self, reading: Phrase) -> str | None:
+        """The stop word that hesitates and opens a reading, behind courtesies at most."""
+        rest = _bare(reading)
+        while rest:
+            sizes = range(len(rest), 0, -1)
+            if said := next(
+                (self._hesitant[rest[:n]] for n in sizes if rest[:n] in self._hesitant), ""
+            ):
+                return said
+            quiet = next((size for size in sizes if rest[:size] in self._quiet), 0)
+            rest = rest[quiet or 1 :] if quiet or rest[0] == _CLAUSE_END else ()
+        return None
+
+    @cached_property
+    def _hesitant(self) -> Mapping[tuple[str, ...], str]:
+        rows = (phrase for table in self._tables for phrase in _index([table.hesitant]).values())
+        return {_bare(phrase): said for row in rows for phrase, said in row}
 
     @cached_property
     def _denials(self) -> frozenset[tuple[str, ...]]:
