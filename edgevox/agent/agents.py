@@ -17,7 +17,7 @@ class Agent:
     instructions: str
     """Instructions for the language model."""
     skills: SkillSet = field(default_factory=lambda: SkillSet(()))
-    """Skills that plain sentences and the language model may call."""
+    """Skills that sentences may call."""
     handoffs: tuple[str, ...] = ()
     """Names of the agents to which this one may hand over."""
     dialogue_skills: SkillSet = field(default_factory=lambda: SkillSet(()))

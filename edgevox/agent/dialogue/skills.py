@@ -1,6 +1,6 @@
 """Dialogue skills: questions and references as plain sentences in every language.
 
-These skills move nothing and stop nothing, and a language model neither knows nor calls them. A
+These skills move nothing and stop nothing. A
 question gets a short answer from the memory of the dialogue; a reference is replaced by the calls
 that `DialogueSkills.meant` finds for it.
 """

@@ -1,1 +1,1 @@
-"""Language models behind one interface, and the prompt and grammar that make their calls valid."""
+"""Language models behind one interface, their prompt, and the grammar of their answers."""

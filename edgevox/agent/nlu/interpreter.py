@@ -10,14 +10,7 @@ from functools import partial
 
 from edgevox.agent.agents import Agent, by_name
 from edgevox.agent.known import StateCondition
-from edgevox.agent.llm.language_model import (
-    ChatMessage,
-    LanguageModel,
-    ModelBusy,
-    ModelFailed,
-)
-from edgevox.agent.llm.prompt import History, size_tokens
-from edgevox.agent.llm.protocol import Protocol
+from edgevox.agent.llm.language_model import ChatMessage, LanguageModel
 from edgevox.agent.nlu.abilities import abilities, cannot_do, not_understood
 from edgevox.agent.nlu.apart import (
     GUESSES,
@@ -56,7 +49,7 @@ from edgevox.agent.nlu.meaning import (
     Meaning,
     Program,
 )
-from edgevox.agent.nlu.model_answer import ANSWER_TOKENS, CheckedAnswer, say_by
+from edgevox.agent.nlu.model_answer import ModelTalk
 from edgevox.agent.nlu.order_reader import NO_CONDITIONS, ProgramReader, Read, Unclear
 from edgevox.agent.nlu.questions import (
     LIKELY_TOLD,
@@ -83,9 +76,6 @@ from edgevox.core.bus import Bus
 from edgevox.core.clock import Clock
 from edgevox.core.commands import as_hypotheses
 from edgevox.core.events import Outcome
-from edgevox.core.log import get_logger
-
-log = get_logger(__name__)
 
 MAX_HANDOFFS = 3
 """Number of hand-overs of one utterance; no agent gets it twice."""
@@ -117,10 +107,9 @@ class Interpreter:
         self._agents = by_name(agents)
         self._bus = bus
         self._clock = clock
-        self._model = model
+        self._talk = ModelTalk(model, agents, phrasebook_of(language, self._every_skill()), clock)
         self.set_language(language)
         self.active = agents[0]
-        self._history = History(self._count_tokens, self._history_budget())
 
     def set_language(self, code: str) -> None:
         """Understand and answer in this language from now on; `phrases` are its sentences."""
@@ -136,13 +125,11 @@ class Interpreter:
             else {}
         )
         self._programs = ProgramReader(code, self._conditions)
-        self._protocols = {a.name: Protocol(a.instructions, a.handoffs, code) for a in agents}
+        self._talk.set_language(self.phrases)
 
     def chat(self, text: str = "") -> list[ChatMessage]:
         """The messages that the model would see for this utterance."""
-        opening = self._protocols[self.active.name].opening
-        said = [ChatMessage("user", text)] if text else []
-        return [*opening, *self._history.messages(), *said]
+        return self._talk.chat(self.active, text)
 
     def understand(self, text: str, turn: Turn) -> Meaning | None:
         """The meaning of an utterance; None if `turn` has answered it in words."""
@@ -340,14 +327,14 @@ class Interpreter:
         if not asks(text, self._code) and (unknown := self._unknown_place(text)):
             turn.say(unknown.reason, Outcome.REFUSED, detail=unknown.detail)
             return None
-        private = not general if self._model else is_about_hearer(text, self._code)
+        private = not general if self._talk.here else is_about_hearer(text, self._code)
         if asks(text, self._code) and (private or self._world().named_in(text)):
             turn.say(self.phrases.say("not_known"))
             return None
-        if self._model is None:
+        if not self._talk.here:
             self._say_not_understood(text, turn)
             return None
-        self._ask_model(self._model, said, turn)
+        self._ask_model(said, turn)
         return None
 
     def plain(self, text: str) -> Meaning | RefusedCommand | None:
@@ -472,8 +459,8 @@ class Interpreter:
     def _is_general(self, text: str) -> bool:
         """True if there is a model that may answer this from general knowledge."""
         if self._decider is None:
-            return self._model is not None and not is_about_hearer(text, self._code)
-        return self._model is not None and self._decider.is_general(text)
+            return self._talk.here and not is_about_hearer(text, self._code)
+        return self._talk.here and self._decider.is_general(text)
 
     def _small_talk(self, text: str, least: float = CHATS) -> str:
         """The answer to small talk that names nothing of the robot's world; else empty."""
@@ -647,24 +634,22 @@ class Interpreter:
         """Add a general question and its answer; all else would only slow the next answer."""
         spoken = meaning is None and turn.tokens and turn.outcome in _SPOKEN
         if spoken and self._is_general(said):
-            answer = self._protocols[self.active.name].render(turn.text)
-            self._history.add(said, answer, cut=turn.cut)
+            self._talk.remember(self.active, said, turn)
 
     def forget(self) -> None:
         """Clear the history and go back to the first agent."""
-        self._history.clear()
+        self._talk.forget()
         self.active = next(iter(self._agents.values()))
 
-    def _ask_model(self, model: LanguageModel, text: str, turn: Turn) -> None:
+    def _ask_model(self, text: str, turn: Turn) -> None:
         """Have the model answer a general question, or hand over to the agent that is to answer."""
-        general = self._is_general(text)
+        general, claims = self._is_general(text), self._claims(text)
         had: list[str] = []  # so that two agents cannot hand over forever
         while len(had) <= MAX_HANDOFFS:
             had.append(self.active.name)
-            protocol = self._protocols[self.active.name].without(had)
-            asks = general or protocol.handoffs
-            name = self._talk(model, protocol, text, turn) if asks else ""
-            if name not in protocol.handoffs:
+            asks = general or not set(self.active.handoffs).issubset(had)
+            name = self._talk.answer(self.active, had, text, turn, claims) if asks else ""
+            if not name:
                 self._say_unknown(text, turn)
                 return
             self._hand_over(self._agents[name], turn)
@@ -704,20 +689,6 @@ class Interpreter:
             case _:
                 turn.say(told, Outcome.NOT_UNDERSTOOD, detail=can)
 
-    def _talk(self, model: LanguageModel, protocol: Protocol, text: str, turn: Turn) -> str:
-        """Say what passes of the model's answer; return the agent that it hands over to, or ""."""
-        chat, checked = self.chat(text), CheckedAnswer(self._claims(text))
-        started_s = self._clock.now()
-        try:
-            return say_by(model, chat, protocol.grammar, turn, checked)
-        except ModelFailed as error:
-            log.error("model_failed", reason=str(error))  # noqa: TRY400 - its message says it all
-            what = "model_busy" if isinstance(error, ModelBusy) else "model_failed"
-            turn.say(self.phrases.say(what), Outcome.FAILED)
-            return ""
-        finally:
-            turn.thought(self._clock.now() - started_s)
-
     def _claims(self, text: str) -> Callable[[str], bool]:
         """Tells which sentences of an answer to these words claim what no model knows."""
         world = self._world()
@@ -740,17 +711,6 @@ class Interpreter:
 
     def _every_skill(self) -> Sequence[Skill]:
         return [one for agent in self._agents.values() for one in agent.skills.values()]
-
-    def _count_tokens(self, text: str) -> int:
-        return self._model.count_tokens(text) if self._model else 0
-
-    def _history_budget(self) -> int:
-        if self._model is None:
-            return 0
-        longest = max(
-            size_tokens(self._count_tokens, one.opening) for one in self._protocols.values()
-        )
-        return max(0, self._model.context_tokens - longest - 4 * ANSWER_TOKENS)
 
 
 def _drives(meaning: Meaning) -> bool:

@@ -1,11 +1,25 @@
 """The words of a language model: it says only what claims nothing, and of which it is sure."""
 
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 
-from edgevox.agent.llm.language_model import ChatMessage, LanguageModel, Piece
-from edgevox.agent.llm.protocol import OutputParser
+from edgevox.agent.agents import Agent
+from edgevox.agent.llm.language_model import (
+    ChatMessage,
+    LanguageModel,
+    ModelBusy,
+    ModelFailed,
+    Piece,
+)
+from edgevox.agent.llm.prompt import History, size_tokens
+from edgevox.agent.llm.protocol import OutputParser, Protocol
+from edgevox.agent.phrases.phrasebook import Phrasebook
 from edgevox.agent.turn import Turn
+from edgevox.core.clock import Clock
+from edgevox.core.events import Outcome
+from edgevox.core.log import get_logger
+
+log = get_logger(__name__)
 
 ANSWER_TOKENS = 160
 """Number of tokens that a model may generate for an answer."""
@@ -52,7 +66,94 @@ class CheckedAnswer:
         return [*pieces[:-1], pieces[-1].removesuffix(rest)]
 
 
-def say_by(
+class ModelTalk:
+    """What a language model is told, says and remembers, for several agents. One thread uses it.
+
+    Without a model it only tells what one would read.
+    """
+
+    def __init__(
+        self,
+        model: LanguageModel | None,
+        agents: Sequence[Agent],
+        phrases: Phrasebook,
+        clock: Clock,
+    ) -> None:
+        self._model = model
+        self._agents = agents
+        self._clock = clock
+        self.set_language(phrases)
+        self._history = History(self._count_tokens, self._history_budget())
+
+    @property
+    def here(self) -> bool:
+        """True if there is a model."""
+        return self._model is not None
+
+    def set_language(self, phrases: Phrasebook) -> None:
+        """Have it talk this language from now on."""
+        self._phrases = phrases
+        self._protocols = {
+            one.name: Protocol(one.instructions, one.handoffs, phrases.code) for one in self._agents
+        }
+
+    def chat(self, agent: Agent, text: str = "") -> list[ChatMessage]:
+        """The messages that the model would see for this utterance."""
+        opening = self._protocols[agent.name].opening
+        said = [ChatMessage("user", text)] if text else []
+        return [*opening, *self._history.messages(), *said]
+
+    def answer(
+        self,
+        agent: Agent,
+        had: Collection[str],
+        text: str,
+        turn: Turn,
+        claims: Callable[[str], bool],
+    ) -> str:
+        """Say what passes of the model's answer; return the agent that it hands over to, or "".
+
+        It hands over to none of those that `had` it. `claims` tells which sentences claim what no
+        model knows.
+        """
+        if self._model is None:
+            return ""
+        protocol, started_s = self._protocols[agent.name].without(had), self._clock.now()
+        try:
+            name = _say_by(
+                self._model, self.chat(agent, text), protocol.grammar, turn, CheckedAnswer(claims)
+            )
+        except ModelFailed as error:
+            log.error("model_failed", reason=str(error))  # noqa: TRY400 - its message says it all
+            what = "model_busy" if isinstance(error, ModelBusy) else "model_failed"
+            turn.say(self._phrases.say(what), Outcome.FAILED)
+            return ""
+        finally:
+            turn.thought(self._clock.now() - started_s)
+        return name if name in protocol.handoffs else ""
+
+    def remember(self, agent: Agent, said: str, turn: Turn) -> None:
+        """Add a question and its answer to what the model sees."""
+        answer = self._protocols[agent.name].render(turn.text)
+        self._history.add(said, answer, cut=turn.cut)
+
+    def forget(self) -> None:
+        """Clear the history."""
+        self._history.clear()
+
+    def _count_tokens(self, text: str) -> int:
+        return self._model.count_tokens(text) if self._model else 0
+
+    def _history_budget(self) -> int:
+        if self._model is None:
+            return 0
+        longest = max(
+            size_tokens(self._count_tokens, one.opening) for one in self._protocols.values()
+        )
+        return max(0, self._model.context_tokens - longest - 4 * ANSWER_TOKENS)
+
+
+def _say_by(
     model: LanguageModel,
     chat: Sequence[ChatMessage],
     grammar: str,

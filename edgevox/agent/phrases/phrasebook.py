@@ -261,7 +261,7 @@ class Phrasebook:
         return _PLAIN_WORD.sub(widened, template)
 
     def examples(self, one: Skill) -> Sequence[Example]:
-        """Examples of a skill for a language model; English ones for words unknown here."""
+        """Sentences that ask for a skill; English ones for words unknown here."""
         if self._is_called_by_its_own(one):
             return one.examples
         own = examples_of(one, self._phrases(one).examples, self.words)

@@ -1,4 +1,4 @@
-"""Skills: typed Python functions that a sentence, a model or a ROS 2 action can call.
+"""Skills: typed Python functions that a sentence or a ROS 2 action can call.
 
 A function's name, docstring and signature give its schema, its validation and (with the templates
 beside it) the sentences that call it; of our own skills these stand in the phrasebooks:
@@ -33,7 +33,7 @@ from edgevox.core.errors import InvalidValue
 from edgevox.core.reason import Reason
 
 MOST_HINTS = 6
-"""Number of an argument's words that a language model sees in examples."""
+"""Number of an argument's words that examples name."""
 
 
 @dataclass(frozen=True, slots=True)
