@@ -70,14 +70,15 @@ def cannot_do(
     book: Phrasebook,
     skills: Sequence[Skill],
     ordered: Callable[[], bool],
-    other: Callable[[str], bool],
+    other: Callable[[str, bool], bool],
 ) -> tuple[str, bool]:
     """The sentences that name what a text asks for and these skills cannot do; empty for none.
 
     "Go to the kitchen and bring me the mug" asks to carry something. In each clause the longest
     wording counts, where it begins; in a text that is `ordered` also behind other words, unless
     they deny. What a speaker plans to do counts only in its own wording, and no clause that plainly
-    asks for something `other`, or for nothing.
+    asks for something `other`; the second argument of that is True if the clause opens with the
+    wording.
     The second value is False for a text of one clause whose act is done where a thing is, so that
     a place in it is no place to go to: "pause the music in the kitchen".
     """
@@ -87,14 +88,16 @@ def cannot_do(
     found: dict[str, bool] = {}
     clauses = _clauses(text, book)
     for clause in clauses:
+        opens = True
         if _plans(clause, book):
             asked = _acts(clause, book.code)
         else:
             asked = [*_acts_in(clause, book.code)]
+            opens = bool(asked)
             if not asked and (behind := _acts_behind(clause, book)) and ordered():
                 asked = behind
         wording, name = max(asked, key=lambda one: len(one[0]), default=("", ""))
-        if wording and other(clause):
+        if wording and other(clause, opens):
             continue
         if wording and names.isdisjoint(english[name].by) and not _words(wording) <= own:
             found[acts[name].cannot] = len(clauses) > 1 or not english[name].in_place

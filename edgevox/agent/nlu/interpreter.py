@@ -410,14 +410,18 @@ class Interpreter:
             text, self.phrases, skills, lambda: self._ordered(text), self._asks_nothing_more
         )
 
-    def _asks_nothing_more(self, clause: str) -> bool:
-        """True for a clause that is plainly a remark, or asks for a motion of this robot."""
+    def _asks_nothing_more(self, clause: str, opens: bool) -> bool:
+        """True for a clause that plainly asks for a turn or a drive by an amount of this robot.
+
+        So is a remark for words that do not open it: "that's when I take my tablets".
+        """
         if self._decider is None:
             return False
         kind, likely = self._decider.asked(clause)
-        can = any(name in self.active.skills for name in GUESSES.get(kind, ()))
-        remark = kind == TALK and not self._decider.is_order(clause)
-        return likely >= PLAINLY_ASKED and (can or remark)
+        skills = [self.active.skills.get(name) for name in GUESSES.get(kind, ())]
+        moves = any(one and one.relative for one in skills)
+        remark = not opens and kind == TALK and not self._decider.is_order(clause)
+        return likely >= PLAINLY_ASKED and (moves or remark)
 
     def _without_acts(self, meaning: Meaning | None, text: str, turn: Turn) -> Meaning | None:
         """The reading, asked about if the words ask for something besides that no skill can do.
