@@ -88,14 +88,14 @@ class Conversation:
             agents: The agents, the first of which speaks first.
             bus: Carries every event of the conversation.
             halt: Brakes the body and tells why; returns whether anything moved.
-            model: Decides what templates and the decider cannot; None for no language model.
+            model: Answers questions about the world in general; None for no language model.
             speech_output: Speaks the answers; None to only write them.
             language: ISO 639-1 code of the first language.
             confirm: When to ask before the robot moves: see the setting `confirm`.
             clock: The time of everything here; the system's by default.
             interlock: Forbids motion and numbers the stops; one that forbids nothing by default.
             guard: The policy, which may forbid any skill except to stop; None allows all.
-            decider: Reads orders that no template fits; None leaves those to the model.
+            decider: Reads orders that no template fits; None understands only those of templates.
             phonemes: Pronunciations, to recognise misheard words by their sounds.
             known: What the body knows of itself and its world, for answers and for programs.
             timer: Wakes programs at their time; a timer of its own by default.
@@ -435,8 +435,7 @@ class Conversation:
         self._states.enter(State.THINKING, turn)
         if stopped.told:
             turn.say(stopped.told)
-        stood = ("", "") if stopped.told else (clean(stopped.words.text), stopped.word)
-        self._asking.go_on(stopped.after, stopped.before, turn, stood)
+        self._asking.after_stop(stopped, turn)
         if not turn.text and turn.outcome is not Outcome.ACTED:
             turn.say(self._stopping.in_words(STANDING))
         turn.settle()

@@ -75,11 +75,13 @@ class Stopped:
     """The robot stopped for words that say more than a stop word: "wait, the office"."""
 
     told: str
-    """The sentence to say about the stop; empty if it stood."""
+    """The sentence to say about the stop; empty if it stood, or if that was told already."""
     words: TextInput | Heard
     """What was said."""
-    word: str
-    """The stop word."""
+    stood: str
+    """The words before the stop word, said to a robot that stood; else empty."""
+    opened: str
+    """All of the words, if they stopped it only because a wait opens them; else empty."""
     before: str
     """The words before the stop word."""
     after: str

@@ -171,7 +171,7 @@ class Turn:
         """Record that the turn called skills."""
         self._outcome = Outcome.ACTED
 
-    def decided(self, calls: Sequence[Call], stage: str, confidence: float | None) -> None:
+    def decided(self, calls: Sequence[Call], stage: str, confidence: float) -> None:
         """Publish what the words were understood as, by which stage, and how sure it is."""
         told = tuple((call.skill, call.arguments) for call in calls)
         self._bus.publish(Decided(told, stage, confidence, self.number))

@@ -52,7 +52,7 @@ class ToolCalled:
     arguments: Mapping[str, Any]
     """Its checked arguments."""
     source: str
-    """The caller: a stage of understanding (``template``, ``reading``, ``model``), or ``command``,
+    """The caller: a stage of understanding (``template``, ``reading``), or ``command``,
     ``action`` or ``program``."""
     turn: int
     """Number of the turn that called; 0 for none."""

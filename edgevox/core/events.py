@@ -62,9 +62,9 @@ class Decided:
     calls: tuple[tuple[str, Mapping[str, Any]], ...]
     """Names of skills with their arguments."""
     stage: str
-    """The stage that understood the words: ``template``, ``reading`` or ``model``."""
-    confidence: float | None
-    """Confidence in the meaning, from 0 to 1; None if the stage does not measure it."""
+    """The stage that understood the words: ``template`` or ``reading``."""
+    confidence: float
+    """Confidence in the meaning, from 0 to 1."""
     turn: int
     """Number of the turn."""
 
@@ -186,7 +186,7 @@ class TurnEnded:
     outcome: Outcome | None = None
     """The outcome; None for a turn that no words asked for."""
     tokens: int = 0
-    """Number of tokens that a language model generated for it, calls of skills included."""
+    """Number of tokens that a language model generated for it."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -390,7 +390,7 @@ class TellsFacts(Protocol):
     def facts(self) -> tuple[Skill, ...]:
         """Skills that move nothing: their templates are the questions, their `done` the answers.
 
-        Neither programs nor the language model can call them.
+        Programs cannot call them.
         """
 
 

@@ -88,7 +88,7 @@ def navigation_skills(
     A body that turns on the spot also has `turn_towards`, which looks where a place is. With a
     `memory` there are those of `place_skills` as well, and both take what it remembers.
 
-    `hints` are sentences, by place, of people who want to be there: what a model learns from.
+    `hints` are sentences, by place, of people who want to be there: their words are learned.
     `aliases` are other things that people say for a place, to that place, `names` what a place is
     called by language. `word` is `ROOM` or
     `LOCATION`, and the name of `navigate_to`'s argument.

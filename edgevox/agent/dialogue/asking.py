@@ -14,6 +14,7 @@ from edgevox.agent.dialogue.performer import Performer, Prepared
 from edgevox.agent.dialogue.question import OpenQuestion, Question
 from edgevox.agent.dialogue.replies import YES_FROM, Replies
 from edgevox.agent.dialogue.skills import DOING, DialogueSkills
+from edgevox.agent.inbox import Stopped
 from edgevox.agent.nlu.interpreter import Interpreter
 from edgevox.agent.nlu.meaning import ASK_FROM, SURE_FROM, THE_OTHER, Meaning
 from edgevox.agent.nlu.templates import RefusedCommand
@@ -366,17 +367,27 @@ class Asking:
             self._put(Question(meant, text, turn.number, tuple(instead), tuple(sentences)), turn)
         return None
 
-    def go_on(
-        self, text: str, before: str, turn: Turn, stood: tuple[str, str] = ("", "")
-    ) -> Meaning | None:
-        """Take up what a person wants in place of what was stopped, or of the words `before`.
+    def after_stop(self, stopped: Stopped, turn: Turn) -> Meaning | None:
+        """Take up what else a person wants who stopped the robot; it asks before it moves.
 
-        If nothing moved, `stood` is the whole text with its stop word: it may ask for something as
-        well. The robot asks before it moves. Words that mean nothing to it are left alone.
+        Words that mean nothing to it are left alone.
         """
         turn.doubted = True
-        read = self._corrections.after_stop(text, before) if text else None
-        read = read or (self._interpreter.beside_stop(*stood) if stood[0] else None)
+        read: Meaning | RefusedCommand | None = None
+        if stopped.opened:
+            read = self._interpreter.opened_by_wait(stopped.opened)
+        if read is None and stopped.after:
+            read = self._corrections.after_stop(stopped.after, stopped.before)
+        if read is None and stopped.stood:
+            read = self._interpreter.joined_to_stop(stopped.stood)
+        return self._taken_up(read, turn)
+
+    def go_on(self, text: str, before: str, turn: Turn) -> Meaning | None:
+        """Take up what a person wants in place of what was stopped, or of the words `before`."""
+        turn.doubted = True
+        return self._taken_up(self._corrections.after_stop(text, before), turn)
+
+    def _taken_up(self, read: Meaning | RefusedCommand | None, turn: Turn) -> Meaning | None:
         if isinstance(read, RefusedCommand):
             turn.say(read.reason, Outcome.REFUSED, detail=read.detail)
         if not isinstance(read, Meaning):

@@ -16,7 +16,7 @@ from edgevox.agent.dialogue.memory import LastDrive
 from edgevox.agent.dialogue.question import OpenQuestion
 from edgevox.agent.nlu.interpreter import Interpreter
 from edgevox.agent.nlu.lexicon import words_of
-from edgevox.agent.nlu.meaning import ASK_FROM, Meaning
+from edgevox.agent.nlu.meaning import ASK_FROM, THE_OTHER, Meaning
 from edgevox.agent.nlu.templates import RefusedCommand
 from edgevox.agent.phrases.numbers import digits, is_exact
 from edgevox.agent.phrases.phrasebook import Phrasebook
@@ -222,6 +222,9 @@ class Corrections:
             return None
         (call,) = said.calls
         skills = agent.every_skill
+        opposite = skills[wrong.skill].opposite
+        if call.skill == THE_OTHER and opposite in skills:
+            return Call(opposite, wrong.arguments)
         if call.skill == wrong.skill or call.arguments or call.skill not in skills:
             return None
         one, other = skills[call.skill], skills[wrong.skill]

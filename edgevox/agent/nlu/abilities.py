@@ -70,15 +70,14 @@ def cannot_do(
     book: Phrasebook,
     skills: Sequence[Skill],
     ordered: Callable[[], bool],
-    other: Callable[[str, bool], bool],
+    no_act: Callable[[str, bool], bool],
 ) -> tuple[str, bool]:
     """The sentences that name what a text asks for and these skills cannot do; empty for none.
 
     "Go to the kitchen and bring me the mug" asks to carry something. In each clause the longest
     wording counts, where it begins; in a text that is `ordered` also behind other words, unless
-    they deny. What a speaker plans to do counts only in its own wording, and no clause that plainly
-    asks for something `other`; the second argument of that is True if the clause opens with the
-    wording.
+    they deny. What a speaker plans to do counts only in its own wording. `no_act` tells of a
+    clause, and of whether it opens with the wording, that it names no act after all.
     The second value is False for a text of one clause whose act is done where a thing is, so that
     a place in it is no place to go to: "pause the music in the kitchen".
     """
@@ -97,7 +96,7 @@ def cannot_do(
             if not asked and (behind := _acts_behind(clause, book)) and ordered():
                 asked = behind
         wording, name = max(asked, key=lambda one: len(one[0]), default=("", ""))
-        if wording and other(clause, opens):
+        if wording and no_act(clause, opens):
             continue
         if wording and names.isdisjoint(english[name].by) and not _words(wording) <= own:
             found[acts[name].cannot] = len(clauses) > 1 or not english[name].in_place

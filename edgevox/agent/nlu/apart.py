@@ -59,7 +59,7 @@ LIKELY_REFERRED = 0.6
 """Least likelihood of words that refer to a motion before."""
 
 PLAINLY_ASKED = 0.9
-"""Least likelihood of what a clause asks for whatever its words are."""
+"""Least likelihood from which the encoder counts without known words."""
 
 LIKELY_MORE = 0.7
 """Least likelihood of an order beside those that were read."""

@@ -170,7 +170,7 @@ class Interpreter:
             return self._taken(near, turn)
         meaning = self._judged(text, turn, refused=plain is not None)
         if meaning and not (meaning.sure and _acts(meaning)):
-            meaning = asked or self._referred(text, PLAINLY_ASKED) or meaning
+            meaning = asked or self._turned_round(text, program, meaning)
         if meaning and (meaning.sure or not near) and not (program and _drives(meaning)):
             return self._taken(meaning, turn)
         if meaning and isinstance(program, Unclear):  # not for now, so not done
@@ -189,24 +189,27 @@ class Interpreter:
             return None
         return self._answer(text, said, turn)
 
-    def beside_stop(self, text: str, word: str) -> Meaning | None:
-        """What a text with a stop word asks of a robot that stands: asked about if it moves it.
+    def joined_to_stop(self, text: str) -> Meaning | None:
+        """What the words before a stop word ask for, if it is joined to them; asked about.
 
-        Only what the word is joined to counts: "turn right, walk half a metre, then stop", but not
-        "stop going there" or "go to the kitchen, stop". A question counts whole.
+        "Turn right, walk half a metre, then (stop)", but not "go to the kitchen, (stop)".
         """
-        before, found, _ = text.casefold().partition(word)
-        before = text[: len(before)].rstrip() if found else ""
-        ordered = without_joint(before, self.phrases.hearing.joints, self._code)
+        ordered = without_joint(text, self.phrases.hearing.joints, self._code)
         later = self._decider and self._decider.for_now(ordered) < PERHAPS_NOT_NOW
         if not ordered or later:
-            return self._asked(text)
-        plain = self.plain(ordered)
-        program, _ = self._program(ordered, ordered)
+            return None
+        found = self.opened_by_wait(ordered) or self._read(ordered) or self._apart(ordered)
+        return found.heard(0.0) if found else None
+
+    def opened_by_wait(self, text: str) -> Meaning | None:
+        """The plain order or program in words that stopped the robot; asked about.
+
+        "Wait ten seconds and then go to the kitchen" is both.
+        """
+        plain, (program, _) = self.plain(text), self._program(text, text)
         if isinstance(program, Program):
             return Meaning(self.active, (), "reading", ASK_FROM, program=program)
-        meant = plain if isinstance(plain, Meaning) else self._read(ordered) or self._apart(ordered)
-        return meant.heard(0.0) if meant else None
+        return plain.heard(0.0) if isinstance(plain, Meaning) else None
 
     def _program(self, said: str, text: str) -> tuple[Read, bool]:
         """The program in what was said, or in its text without false starts."""
@@ -268,10 +271,22 @@ class Interpreter:
             return None
         if REFERRED.get(kind, "") not in self.active.every_skill or likely < least:
             return None
-        against = REFERRED[kind] != THE_OTHER and readings.objections(text)
-        if against or self._world().named_in(text) or readings.has_amount(text):
+        against = readings.objections(text)
+        if REFERRED[kind] == THE_OTHER:  # "no, the other one"
+            against -= {*self.phrases.answers.no}
+        if against or self._decider.for_now(text) < PERHAPS_NOT_NOW:
+            return None
+        if self._world().named_in(text) or readings.has_amount(text):
             return None
         return Meaning(self.active, (Call(REFERRED[kind]),), "reading", ASK_FROM)
+
+    def _turned_round(self, text: str, program: Read, meaning: Meaning) -> Meaning:
+        """An unsure meaning, or what a text plainly refers to: "again but the other way"."""
+        referred = None if program else self._referred(text, PLAINLY_ASKED)
+        if referred is None:
+            return meaning
+        other = referred.calls[0].skill == THE_OTHER
+        return referred if other or not _drives(meaning) else meaning
 
     def _rest_of(self, text: str, meaning: Meaning, *, corrected: bool) -> Rest:
         """What a text holds beside a sure reading that drives."""
@@ -407,19 +422,20 @@ class Interpreter:
             return "", False
         skills = self._every_skill()
         return cannot_do(
-            text, self.phrases, skills, lambda: self._ordered(text), self._asks_nothing_more
+            text, self.phrases, skills, lambda: self._ordered(text), self._names_no_act
         )
 
-    def _asks_nothing_more(self, clause: str, opens: bool) -> bool:
-        """True for a clause that plainly asks for a turn or a drive by an amount of this robot.
+    def _names_no_act(self, clause: str, opens: bool) -> bool:
+        """True if a clause plainly asks for a turn or a drive by an amount, which the robot can.
 
-        So is a remark for words that do not open it: "that's when I take my tablets".
+        Also for a remark in which the words of an act stand behind others (not `opens`): "that's
+        when I take my tablets".
         """
         if self._decider is None:
             return False
         kind, likely = self._decider.asked(clause)
-        skills = [self.active.skills.get(name) for name in GUESSES.get(kind, ())]
-        moves = any(one and one.relative for one in skills)
+        names = GUESSES.get(kind, ())
+        moves = any(one.relative for one in self._every_skill() if one.name in names)
         remark = not opens and kind == TALK and not self._decider.is_order(clause)
         return likely >= PLAINLY_ASKED and (moves or remark)
 

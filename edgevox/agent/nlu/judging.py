@@ -262,8 +262,13 @@ class Readings:
         return any(map(is_number, _tokens(text, self.lexicon)))
 
     def has_amount(self, text: str) -> bool:
-        """True if a text has another number than the one of "one more time"."""
-        return any(is_number(one) and float(one) != 1 for one in _tokens(text, self.lexicon))
+        """True if a text has a unit, or another number than the one of "one more time"."""
+        tokens = _tokens(text, self.lexicon)
+        units = tuple(self.lexicon.function_words.amounts)
+        return any(
+            is_number(one) and (float(one) != 1 or after.startswith(units))
+            for one, after in zip(tokens, (*tokens[1:], ""), strict=True)
+        )
 
     def named_in(self, text: str) -> Set[str]:
         """The words of arguments that a text names."""

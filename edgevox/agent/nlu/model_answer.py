@@ -99,9 +99,7 @@ class ModelTalk:
 
     def chat(self, agent: Agent, text: str = "") -> list[ChatMessage]:
         """The messages that the model would see for this utterance."""
-        opening = self._protocols[agent.name].opening
-        said = [ChatMessage("user", text)] if text else []
-        return [*opening, *self._history.messages(), *said]
+        return self._chat(self._protocols[agent.name], text)
 
     def answer(
         self,
@@ -121,7 +119,11 @@ class ModelTalk:
         protocol, started_s = self._protocols[agent.name].without(had), self._clock.now()
         try:
             name = _say_by(
-                self._model, self.chat(agent, text), protocol.grammar, turn, CheckedAnswer(claims)
+                self._model,
+                self._chat(protocol, text),
+                protocol.grammar,
+                turn,
+                CheckedAnswer(claims),
             )
         except ModelFailed as error:
             log.error("model_failed", reason=str(error))  # noqa: TRY400 - its message says it all
@@ -140,6 +142,10 @@ class ModelTalk:
     def forget(self) -> None:
         """Clear the history."""
         self._history.clear()
+
+    def _chat(self, protocol: Protocol, text: str) -> list[ChatMessage]:
+        said = [ChatMessage("user", text)] if text else []
+        return [*protocol.opening, *self._history.messages(), *said]
 
     def _count_tokens(self, text: str) -> int:
         return self._model.count_tokens(text) if self._model else 0

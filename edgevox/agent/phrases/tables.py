@@ -200,7 +200,7 @@ class ProgramPhrases:
 
 @dataclass(frozen=True, slots=True)
 class Everyday:
-    """A question that a model is asked, and its answer."""
+    """An example for a model: a question, and its answer; empty for what nobody can know."""
 
     asked: str
     answer: str

@@ -211,7 +211,7 @@ class Skill:
     name: str
     """The function's name."""
     description: str
-    """The function's docstring, for people and language models."""
+    """The function's docstring, for people."""
     function: Callable[..., Result | None]
     """The function, which gets the goal and the arguments."""
     arguments_model: type[BaseModel]

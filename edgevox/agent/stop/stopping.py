@@ -13,7 +13,6 @@ from edgevox.agent.phrases.phrasebook import Phrasebook
 from edgevox.agent.programs.keeper import Programs
 from edgevox.agent.stop.words import SafetyWords
 from edgevox.agent.text.reasons import because, called_off
-from edgevox.agent.text.spelling import key
 from edgevox.agent.turn import StateMachine, Turn
 from edgevox.core.agent_events import HeardBy, SafetyPreempted
 from edgevox.core.bus import Bus
@@ -167,26 +166,30 @@ class Stopping:
 
     def is_stop(self, text: str) -> bool:
         """True if these words would stop the robot."""
-        return self._safety.find(text) is not None
+        return (self._safety.find(text) or self._opens(text)) is not None
 
     def hears(self, words: TextInput | Heard) -> bool:
         """Stop if these words hold a stop word; return whether they do."""
-        word = self._safety.find(words.text) or self._while_moving(words)
+        word = self._safety.find(words.text) or self._opens(words.text) or self._nearly(words)
         if word:
             self._stop_word(word, words)
         elif isinstance(words, Heard) and words.spotted:
             self._tell_spotted()
         return word is not None
 
-    def _while_moving(self, words: TextInput | Heard) -> str | None:
-        """The stop word that opens these words, or that they sound like; None while nothing moves.
+    def _opens(self, text: str) -> str | None:
+        """The wait that opens these words; None while nothing goes on: "wait, I wasn't ready"."""
+        return self._safety.opens(text) if self._going_on else None
 
-        "Wait, I wasn't ready" stops a robot that moves, and tells one that stands nothing.
-        """
-        if self._executor.moving is None:
+    def _nearly(self, words: TextInput | Heard) -> str | None:
+        """The stop word that these spoken words sound like; None while nothing moves."""
+        if self._near is None or not isinstance(words, Heard) or self._executor.moving is None:
             return None
-        nearly = self._near.find(words.text) if self._near and isinstance(words, Heard) else None
-        return self._safety.opens(words.text) or nearly
+        return self._near.find(words.text)
+
+    @property
+    def _going_on(self) -> bool:
+        return bool(self._turn() or self._executor.moving or self._programs.kept)
 
     def heed(self, sound: StopSpotted | SpokenOn) -> None:
         """Act on a sound at once, before its words are known."""
@@ -202,7 +205,7 @@ class Stopping:
         and earlier utterances that are still being transcribed are forgotten. Words that may only
         have sounded like a stop word are kept and asked about (`doubts`).
         """
-        going_on = bool(self._turn() or self._executor.moving or self._programs.kept)
+        going_on = self._going_on
         when_s = sound.at_s + (WORD_TAIL_S if going_on else -SAME_WORD_S)
         if not going_on:
             self._heard_idle_s = sound.at_s
@@ -259,13 +262,16 @@ class Stopping:
         tell = stopped or untold or not spotted
         told = _weightier(untold, _told(stopped=stopped, waited=waited)) if tell else ""
         before, after = self._safety.around(word, words.text)
-        more = told == STANDING and key(words.text) != key(word)
-        if after or more:
+        stood = self._safety.before(word, words.text) if told == STANDING else ""
+        opened = "" if self._safety.find(words.text) else clean(words.text)
+        if after or stood or opened:
             mark, said = self._interlock.mark, "" if told == STANDING else told
             text = self.in_words(said) if said else ""
             self._have_answered(
                 words,
-                lambda own: self._continue(inbox.Stopped(text, own, word, before, after), mark),
+                lambda own: self._continue(
+                    inbox.Stopped(text, own, stood, opened, before, after), mark
+                ),
                 lambda: self._answer(said),
             )
         else:

@@ -8,7 +8,7 @@ same word. `[stop]` of `core/languages/*.toml` has the words, `stopping` acts on
 
 import re
 from collections import defaultdict
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from itertools import chain
@@ -32,6 +32,7 @@ _ALONE_MIN = 5
 _UNSPACED = ("ja", "zh")
 _SPELLED_MIN = 3
 _CLAUSE_END = "."
+_NO = "no"
 _AROUND = " ,;:.!\u2026\u3001\u3002\u060c\u0964\uff0c\uff01"
 
 Phrase = tuple[SpelledWord, ...]
@@ -52,7 +53,8 @@ class SafetyWords:
     A stop word counts anywhere, so that "hold it there, stop", "No! Don't! Stop!" and "go to the
     kitchen, no, stop" all halt: one halt too many is better than one too few. A stop word does not
     count if it is part of an innocent phrase in the same clause ("don't stop", "bus stop"). Some
-    everyday words count only at the end of a clause, or alone: see `core/languages/en.toml`.
+    everyday words count only at the end of a clause, or alone: see `core/languages/en.toml`. Those
+    that hesitate ("wait") also count where they open what is said to a robot that moves (`opens`).
     """
 
     def __init__(self, code: str) -> None:
@@ -67,6 +69,13 @@ class SafetyWords:
         """The stop word that hesitates and opens this utterance: "oh wait, I wasn't ready"."""
         opening = (_rules(self._code).opens(one) for one in readings(text[:MAX_CHARACTERS]))
         return next(filter(None, opening), None)
+
+    def before(self, word: str, text: str) -> str:
+        """The text before the last place of this stop word; empty if it is spelled otherwise."""
+        spaced = LANGUAGES[self._code].spaced
+        edge = (r"(?<!\w)", r"(?!\w)") if spaced else ("", "")
+        found = [*re.finditer(re.escape(word).join(edge), text, re.IGNORECASE)]
+        return text[: found[-1].start()].rstrip() if found else ""
 
     def around(self, word: str, text: str) -> tuple[str, str]:
         """The text before and after this stop word, if people go on after it: "wait, the office".
@@ -126,6 +135,7 @@ class _Rules:
         self._last = _index(table.last for table in tables)
         self._alone = _index(table.alone for table in tables)
         self._courtesies = _index(table.courtesies for table in tables)
+        self._hesitant = _index(table.hesitant for table in tables)
         self._tables = tables
         single = [
             (phrase[0], said)
@@ -161,22 +171,30 @@ class _Rules:
         return denied
 
     def opens(self, reading: Phrase) -> str | None:
-        """The stop word that hesitates and opens a reading, behind courtesies at most."""
-        rest = _bare(reading)
-        while rest:
-            sizes = range(len(rest), 0, -1)
-            if said := next(
-                (self._hesitant[rest[:n]] for n in sizes if rest[:n] in self._hesitant), ""
-            ):
-                return said
-            quiet = next((size for size in sizes if rest[:size] in self._quiet), 0)
-            rest = rest[quiet or 1 :] if quiet or rest[0] == _CLAUSE_END else ()
-        return None
+        """The stop word that hesitates and opens a reading, behind courtesies at most.
+
+        It is written with its accents ("cho" is no "chờ"). A word that denies is none of these
+        courtesies: "nie czekaj" is no "czekaj".
+        """
+        hesitant = {
+            one.start: one.word
+            for one in self._in(reading, self._hesitant)
+            if _exact(reading[one.start : one.end]) == _exact(words(one.word))
+        }
+        quiet: dict[int, int] = {}
+        for one in self._in(reading, self._courtesies):
+            if reading[one.start].bare not in self._denying:
+                quiet[one.start] = max(one.end, quiet.get(one.start, 0))
+        at = 0
+        while at < len(reading) and at not in hesitant:
+            ends = reading[at].bare == _CLAUSE_END
+            at = quiet.get(at, at + 1 if ends else len(reading))
+        return hesitant.get(at)
 
     @cached_property
-    def _hesitant(self) -> Mapping[tuple[str, ...], str]:
-        rows = (phrase for table in self._tables for phrase in _index([table.hesitant]).values())
-        return {_bare(phrase): said for row in rows for phrase, said in row}
+    def _denying(self) -> frozenset[str]:
+        """Words that alone deny what follows them; "no" also answers."""
+        return frozenset(row[0] for row in self._denials if len(row) == 2) - {_NO}
 
     @cached_property
     def _denials(self) -> frozenset[tuple[str, ...]]:
@@ -303,7 +321,7 @@ def _without(table: StopWords, ordinary: Sequence[str]) -> StopWords:
     """A copy of another language's table without the ordinary words of the spoken language."""
     left = {
         name: tuple(one for one in getattr(table, name) if one not in ordinary)
-        for name in ("anywhere", "last", "alone")
+        for name in ("anywhere", "last", "alone", "hesitant")
     }
     return replace(table, **left)
 
@@ -387,6 +405,10 @@ def _repeats(word: str, text: str) -> bool:
     more = word[1:] if word[0] == word[-1] else word
     times, rest = divmod(len(text) - len(word), len(more) or 1)
     return times > 0 and not rest and text == word + more * times
+
+
+def _exact(phrase: Phrase) -> tuple[str, ...]:
+    return tuple(word.exact for word in phrase)
 
 
 def _bare(phrase: Phrase) -> tuple[str, ...]:

@@ -157,8 +157,8 @@ def turn_line(decided: Decided | None, outcome: Outcome) -> str:
         f"{skill}({', '.join(f'{name}={value}' for name, value in arguments.items())})"
         for skill, arguments in decided.calls
     )
-    sure = "" if decided.confidence is None else f", {decided.confidence:.0%} sure"
-    return f"{ASIDE}{ended}: {calls or 'no skill'} by {decided.stage}{sure}"
+    by = f"{decided.stage}, {decided.confidence:.0%} sure"
+    return f"{ASIDE}{ended}: {calls or 'no skill'} by {by}"
 
 
 TURNS = 5

@@ -2,17 +2,16 @@
 
 import itertools
 import random
+from typing import Any
 
 import pytest
 from gbnf_walk import Walker
 from hypothesis import given
 from hypothesis import strategies as st
-from support.conversation import ORDER, TALK, CertainEncoder, Eloquent
+from support.conversation import Eloquent
 
 from edgevox.agent.agents import Agent
 from edgevox.agent.llm.protocol import COLLEAGUE, OutputParser, Protocol, grammar
-from edgevox.agent.nlu.decider import Decider
-from edgevox.agent.nlu.encoder import read_head
 from edgevox.agent.nlu.interpreter import Interpreter
 from edgevox.agent.skills import NO_SKILLS, GoalHandle, SkillSet, skill
 from edgevox.agent.turn import Turn
@@ -51,7 +50,10 @@ def test_a_hand_over_is_never_said(where: list[int]) -> None:
 
 @given(st.text(max_size=200))
 def test_no_output_can_break_the_parser(text: str) -> None:
-    fed(text, [])
+    words, name = fed(text, [])
+
+    assert not (words and name)
+    assert words.isprintable() or not words.isascii()
 
 
 def test_words_are_heard_as_soon_as_they_are_written() -> None:
@@ -95,24 +97,34 @@ def test_the_opening_has_the_role_examples_and_how_to_hand_over() -> None:
     assert all(any(fed(one, [])) for one in shown)
 
 
+class Asked(Eloquent):
+    """Counts how often it is asked."""
+
+    asked = 0
+
+    def generate(self, *args: Any, **more: Any) -> Any:
+        self.asked += 1
+        return super().generate(*args, **more)
+
+
 @skill()
 def take_note(goal: GoalHandle, text: str) -> None:
     """Write something down."""
 
 
-@pytest.mark.parametrize("logit", [ORDER, TALK])
 @pytest.mark.parametrize(
     "writes",
     ['call: take_note(text="the milk is empty"); done', "colleague: cook", "colleague: robot"],
 )
-def test_nothing_that_a_model_writes_is_done(writes: str, logit: float) -> None:
-    agent = Agent("robot", "", SkillSet([take_note]))
-    judge = Decider(CertainEncoder(logit), read_head())
-    interpreter = Interpreter([agent], Bus(), SystemClock(), Eloquent(writes), decider=judge)
+def test_nothing_that_a_model_writes_is_done(writes: str) -> None:
+    agent, model = Agent("robot", "", SkillSet([take_note])), Asked(writes)
+    interpreter = Interpreter([agent], Bus(), SystemClock(), model)
     turn = Turn(1, Bus(), SystemClock(), on_speech=lambda: None)
 
-    assert interpreter.understand("jot down that the milk is empty", turn) is None
+    assert interpreter.understand("why does ice float", turn) is None
+    assert model.asked == 1
     assert interpreter.active is agent
+    assert writes not in turn.text
 
 
 def test_two_agents_do_not_hand_over_forever() -> None:

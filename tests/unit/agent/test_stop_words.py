@@ -267,3 +267,26 @@ def test_all_of_it_at_once_halts(stop, before, between, hidden, case, times):
 def test_any_text_is_searched_without_failing(code, text):
     found = safety_words(code).find(text)
     assert found is None or found
+
+
+@pytest.mark.parametrize(
+    ("code", "says", "word"),
+    [
+        ("en", "wait I wasn't ready", "wait"),
+        ("en", "oh no, hang on there's somebody in the way", "hang on"),
+        ("de", "warte ich bin noch nicht da", "warte"),
+        ("fr", "oh attendez il y a quelqu'un", "attendez"),
+        ("es", "espera que no estoy listo", "espera"),
+        ("pl", "nie, czekaj na mnie", None),
+        ("pl", "czekaj, ktoś tam jest", "czekaj"),
+        ("pt", "não espere por mim", None),
+        ("vi", "cho tôi hỏi pin còn bao nhiêu", None),
+        ("ja", "ちょっと待って人がいる", "ちょっと待って"),
+        ("zh", "等一下我还没准备好", "等一下"),
+        ("en", "go to the kitchen and wait for me", None),
+        ("en", "I can't wait to see it", None),
+        ("en", "don't wait for me", None),
+    ],
+)
+def test_a_wait_that_opens_what_is_said_is_found_and_no_other(code, says, word):
+    assert SafetyWords(code).opens(says) == word

@@ -1,4 +1,4 @@
-"""Which language model the settings give, and a robot that a shared one moves."""
+"""Which language model the settings give, and a robot that shares one."""
 
 from pathlib import Path
 

@@ -88,8 +88,7 @@ many; one that has so much of their probability is clear. Chosen as above."""
 _WORDINGS, _MOST_FREE = 2, 4
 """How many wordings of each of them are rated, and how many hypotheses beside them."""
 _SURE_WORDS = 0.9
-"""Words that are at least so sure are what was said: a command that has others is asked about at
-most, and one of few words is not."""
+"""Words that are at least so sure are what was said: no short command that has others is done."""
 _FARTHER, _FARTHEST = 4.0, 12.0
 """For each word that differs from what was heard and for all of them, in nats: by how much less
 likely a clear command may be. "A maricano" is no word that anybody expects."""
