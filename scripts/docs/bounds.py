@@ -3,7 +3,7 @@
 from docs.markdown import table
 from edgevox.agent.goals import executor as skill_executor
 from edgevox.agent.inbox import MAX_WAITING
-from edgevox.agent.nlu import interpreter
+from edgevox.agent.nlu import model_answer
 from edgevox.apps.terminal.run_terminal import MAX_LINE_BYTES
 from edgevox.core import hearers
 from edgevox.core.files import text, user_file
@@ -35,7 +35,7 @@ def bounds() -> str:
         f"{hearers.MOST_PER_S:,} messages a second, {hearers.MOST_ROBOTS} robots, "
         f"{hearers.MOST_UTTERANCES} utterances of each, {hearers.MOST_MS // 1000} s an utterance",
         "a model server's reply": f"{http_request.MOST_BYTES >> 20} MB",
-        "a language model's answer": f"{interpreter.ANSWER_TOKENS} tokens",
+        "a language model's answer": f"{model_answer.ANSWER_TOKENS} tokens",
         "a scenario": f"{scenario.MAX_STEPS:,} steps",
         "a world file": f"{world.MOST_THINGS:,} things",
         "a locations file": f"{MOST_LOCATIONS} places",
