@@ -295,6 +295,7 @@ def reference(name: str) -> Skill:
     [
         ("en", "haha brilliant, let's have that one more time", "again"),
         ("en", "same thing but the other way round now", "the_other"),
+        ("en", "Again! But the other way!", "the_other"),
         ("en", "just a smidge more than that", "further"),
         ("de", "und jetzt genau andersrum", "the_other"),
         ("fr", "allez, refais-le une fois de plus pour voir", "again"),
@@ -340,6 +341,10 @@ def test_what_changes_it_or_asks_something_refers_to_nothing(says):
     meaning = one.understand(says, Turn(1, Bus(), SystemClock(), lambda: None))
 
     assert not meaning or not {call.skill for call in meaning.calls} & set(REFERENCES)
+
+
+def test_a_courtesy_names_no_act():
+    assert "carry" not in understood("apartment", "Cheers mate, it was fun. Take care.")[2]
 
 
 def test_an_act_that_no_skill_does_is_none_of_what_is_only_told():

@@ -169,8 +169,7 @@ class Interpreter:
         if near and near.sure:
             return self._taken(near, turn)
         meaning = self._judged(text, turn, refused=plain is not None)
-        if meaning and not (meaning.sure and _acts(meaning)):
-            meaning = asked or self._turned_round(text, program, meaning)
+        meaning = self._rather(meaning, asked, text, program) if meaning else None
         if meaning and (meaning.sure or not near) and not (program and _drives(meaning)):
             return self._taken(meaning, turn)
         if meaning and isinstance(program, Unclear):  # not for now, so not done
@@ -280,13 +279,19 @@ class Interpreter:
             return None
         return Meaning(self.active, (Call(REFERRED[kind]),), "reading", ASK_FROM)
 
-    def _turned_round(self, text: str, program: Read, meaning: Meaning) -> Meaning:
-        """An unsure meaning, or what a text plainly refers to: "again but the other way"."""
-        referred = None if program else self._referred(text, PLAINLY_ASKED)
-        if referred is None:
-            return meaning
-        other = referred.calls[0].skill == THE_OTHER
-        return referred if other or not _drives(meaning) else meaning
+    def _rather(self, meaning: Meaning, asked: Meaning | None, text: str, program: Read) -> Meaning:
+        """A judged meaning, or what the words rather ask or refer to: "again, but the other way".
+
+        A sure motion gives way only if no amount or name is said.
+        """
+        acts = meaning.sure and _acts(meaning)
+        if asked and not acts:
+            return asked
+        said = acts and any(call.arguments for call in meaning.calls)
+        referred = None if program or said else self._referred(text, PLAINLY_ASKED)
+        if referred and (referred.calls[0].skill == THE_OTHER or not _drives(meaning)):
+            return referred
+        return meaning
 
     def _rest_of(self, text: str, meaning: Meaning, *, corrected: bool) -> Rest:
         """What a text holds beside a sure reading that drives."""
