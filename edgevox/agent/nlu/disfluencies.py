@@ -74,7 +74,7 @@ def _plain(word: str) -> str:
 def _known(language: str) -> tuple[frozenset[str], list[list[str]]]:
     """The hesitations and the words of the openers of a language, as `_plain` has them."""
     hearing = phrasebook(language).hearing
-    openers = [[_plain(word) for word in key(one).split()] for one in hearing.openers]
+    openers = [[_plain(word) for word in one.split()] for one in hearing.openers]
     return frozenset(map(_plain, hearing.hesitations)), openers
 
 

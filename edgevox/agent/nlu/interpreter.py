@@ -64,7 +64,7 @@ from edgevox.agent.nlu.questions import (
     question_of,
 )
 from edgevox.agent.nlu.remainder import may_ask_whether
-from edgevox.agent.nlu.small_talk import CHATS, CHATS_PLAINLY, reply_to, small_talk_in
+from edgevox.agent.nlu.small_talk import CHATS, CHATS_PLAINLY, CHATS_SURELY, reply_to, small_talk_in
 from edgevox.agent.nlu.templates import Recogniser, RefusedCommand, Understood, refused
 from edgevox.agent.phrases.load import ENGLISH
 from edgevox.agent.phrases.own_names import phrasebook_of
@@ -518,6 +518,8 @@ class Interpreter:
     def _cued(self, text: str) -> Meaning | None:
         """The question to the robot whose own words are said, unless another is far likelier."""
         general = partial(self._decider.is_general, text) if self._decider else lambda: False
+        if self._decider and self._decider.small_talk(text)[1] >= CHATS_SURELY:
+            return None
         for agent in self._active_first():
             if call := cued(text, self._questions[agent.name].lexicon, general):
                 if self._orders_beside(text):

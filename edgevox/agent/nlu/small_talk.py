@@ -3,13 +3,16 @@
 import re
 from collections.abc import Iterator, Sequence
 
-from edgevox.agent.nlu.apart import OTHER, clauses_of
+from edgevox.agent.nlu.apart import LIKELY_MORE, OTHER, clauses_of
 from edgevox.agent.nlu.decider import PLAINLY_TALK, TALK, Decider
 from edgevox.agent.nlu.evidence import QUESTION_MARKS
 from edgevox.agent.nlu.questions import asks
 
 CHATS, CHATS_APART = 0.5, 0.6
 """Least likelihood of small talk, and of that in one of several clauses."""
+
+CHATS_SURELY = 0.9
+"""The same of the last words of a text that are small talk beside what is none."""
 
 CHATS_PLAINLY = 0.8
 """The same of small talk that could also be a question about the world in general."""
@@ -25,7 +28,7 @@ def small_talk_in(text: str, code: str, decider: Decider, least: float = CHATS) 
     """The kind of small talk that a text is: see `say.talk_*` of a language; empty for none.
 
     `least` is the least likelihood of the whole text. Of several clauses, all of which are talk,
-    the likeliest counts; none if one of them asks for something else.
+    the likeliest counts, else the last one that plainly is; none if one asks for something else.
     """
     text = _STRETCHED.sub(r"\1", text)
     clauses = clauses_of(text, code)
@@ -38,10 +41,18 @@ def small_talk_in(text: str, code: str, decider: Decider, least: float = CHATS) 
     kind, likely = decider.small_talk(text)
     if likely >= least:
         return kind
-    if least > CHATS or {decider.asked(one)[0] for one in clauses} != {TALK}:
+    if least > CHATS:
         return ""
-    kind, likely = max(kinds, key=lambda one: one[1])
-    return kind if likely >= CHATS_APART else ""
+    asked = [decider.asked(one) for one in clauses]
+    if {one for one, _ in asked} == {TALK}:
+        kind, likely = max(kinds, key=lambda one: one[1])
+        return kind if likely >= CHATS_APART else ""
+    wants = any(
+        one != TALK and sure >= LIKELY_MORE and talk < CHATS
+        for (one, sure), (_, talk) in zip(asked, kinds, strict=True)
+    )
+    plain = (one for one, talk in reversed(kinds) if talk >= CHATS_SURELY)
+    return "" if wants else next(plain, "")
 
 
 def reply_to(text: str, code: str, decider: Decider | None, *, speaks: bool) -> str:
