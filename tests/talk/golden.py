@@ -251,6 +251,7 @@ def _values(book: Phrasebook, *, doing: bool) -> dict[str, Any]:
         "percent": 20,
         "place": book.word("kitchen"),
         "question": book.sentences["abilities_question"],
+        "result": "204",
         "reason": bare(book.reason(because("too_far"))),
         "said": "garage",
         "second": can[1],

@@ -65,6 +65,7 @@ from edgevox.agent.nlu.questions import (
 )
 from edgevox.agent.nlu.remainder import may_ask_whether
 from edgevox.agent.nlu.small_talk import CHATS, CHATS_PLAINLY, CHATS_SURELY, reply_to, small_talk_in
+from edgevox.agent.nlu.sums import answer_to_sum
 from edgevox.agent.nlu.templates import Recogniser, RefusedCommand, Understood, refused
 from edgevox.agent.phrases.load import ENGLISH
 from edgevox.agent.phrases.own_names import phrasebook_of
@@ -328,6 +329,9 @@ class Interpreter:
 
         `said` are the same words with their false starts.
         """
+        if result := answer_to_sum(text, self._code):
+            turn.say(result)
+            return None
         whether, general = asks_whether(text, self._code), self._is_general(text)
         cannot = "" if general else self._cannot(text)[0]
         least = CHATS_PLAINLY if general else CHATS

@@ -69,6 +69,7 @@ def _book(code: str, data: Mapping[str, Any], fallback: Phrasebook | None) -> Ph
             for name, said in data.get("dialogue", {}).items()
         }
         | skill_entries(data.get("facts", {})),
+        sums={name: tuple(some) for name, some in data.get("sums", {}).items()},
         everyday=tuple(Everyday(*one) for one in data.get("everyday", {}).items())
         or (fallback.everyday if fallback else ()),
         acts={

@@ -187,6 +187,8 @@ class Phrasebook:
     reasons: Mapping[str, str] = field(default_factory=dict)
     arguments: Mapping[str, str] = field(default_factory=dict)
     dialogue: Mapping[str, SkillPhrases] = field(default_factory=dict)
+    sums: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    """Wordings of sums, with `{a}` and `{b}`, by kind."""
     everyday: tuple[Everyday, ...] = ()
     """Questions about the world in general, and, with an empty answer, what nobody can know."""
     acts: Mapping[str, HouseAct] = field(default_factory=dict)

@@ -110,7 +110,7 @@ def test_without_a_judge_only_templates_move() -> None:
 
 @pytest.mark.parametrize("judge", [None, decider(ORDER), decider(TALK)])
 def test_a_model_that_calls_what_nobody_said_moves_nothing(judge: Decider | None) -> None:
-    assert interpreter(EAGER, judge).understand("what is seven times eight", turn()) is None
+    assert interpreter(EAGER, judge).understand("why does ice float", turn()) is None
 
 
 def test_a_room_that_is_not_there_is_refused_by_name() -> None:
