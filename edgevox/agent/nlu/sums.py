@@ -4,6 +4,7 @@ import re
 from collections.abc import Callable, Mapping
 from functools import lru_cache
 
+from edgevox.agent.nlu.questions import asks
 from edgevox.agent.phrases.load import phrasebook
 from edgevox.agent.phrases.numbers import digits
 from edgevox.agent.phrases.phrasebook import Phrasebook
@@ -26,12 +27,16 @@ _SUMS: Mapping[str, Callable[[float, float], float]] = {
 def answer_to_sum(text: str, code: str) -> str:
     """The answer to the one sum in a text, in this language; empty for any other text.
 
-    The text has no number beside the two of the sum, whose wordings are in `[sums]` of a language.
+    The text has no number beside the two of the sum, whose wordings are in `[sums]` of a language,
+    and ends in it, or asks something.
     """
     plain = " ".join(text.split())
     for said in (plain, digits(plain, code)):
         for name, pattern, numbers in _patterns(code):
-            if len(_A_NUMBER.findall(said)) == numbers and (found := pattern.search(said)):
+            found = pattern.search(said)
+            if found is None or len(_A_NUMBER.findall(said)) != numbers:
+                continue
+            if asks(text, code) or _behind(code).fullmatch(said, found.end()):
                 return _told(name, float(found["a"]), float(found["b"]), phrasebook(code))
     return ""
 
@@ -54,14 +59,23 @@ def _patterns(code: str) -> list[tuple[str, re.Pattern[str], int]]:
     return [
         (name, _pattern(one), 2 + len(_A_NUMBER.findall(one)))
         for name, several in phrasebook(code).sums.items()
+        if name in _SUMS
         for wording in several
         for one in dict.fromkeys((wording, digits(wording, code)))
     ]
+
+
+@lru_cache
+def _behind(code: str) -> re.Pattern[str]:
+    """What may stand behind a sum: marks, and what asks for its result."""
+    words = "|".join(map(re.escape, phrasebook(code).sums["behind"]))
+    return re.compile(rf"\W*(?:{words})?\W*", re.IGNORECASE)
 
 
 def _pattern(wording: str) -> re.Pattern[str]:
     number = NUMBER.removeprefix("-?")
     written = re.escape(wording).replace(r"\ ", r"\s*")
     for name in ("a", "b"):
-        written = written.replace(rf"\{{{name}\}}", f"(?P<{name}>{number})")
+        whole = rf"(?<![\d.,])(?P<{name}>{number})(?![.,]?\d)"
+        written = written.replace(rf"\{{{name}\}}", whole)
     return re.compile(written, re.IGNORECASE)
