@@ -223,7 +223,7 @@ class Corrections:
         (call,) = said.calls
         skills = agent.every_skill
         opposite = skills[wrong.skill].opposite
-        if call.skill == THE_OTHER and opposite in skills:
+        if call.skill == THE_OTHER and opposite in skills and self._question.asked:
             return Call(opposite, wrong.arguments)
         if call.skill == wrong.skill or call.arguments or call.skill not in skills:
             return None

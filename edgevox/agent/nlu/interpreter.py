@@ -283,14 +283,14 @@ class Interpreter:
     def _rather(self, meaning: Meaning, asked: Meaning | None, text: str, program: Read) -> Meaning:
         """A judged meaning, or what the words rather ask or refer to: "again, but the other way".
 
-        A sure motion gives way only if no amount or name is said.
+        A sure motion gives way only to "the other way", and only if no amount or name is said.
         """
         acts = meaning.sure and _acts(meaning)
         if asked and not acts:
             return asked
         said = acts and any(call.arguments for call in meaning.calls)
         referred = None if program or said else self._referred(text, PLAINLY_ASKED)
-        if referred and (referred.calls[0].skill == THE_OTHER or not _drives(meaning)):
+        if referred and (referred.calls[0].skill == THE_OTHER or not (acts or _drives(meaning))):
             return referred
         return meaning
 
@@ -522,11 +522,10 @@ class Interpreter:
     def _cued(self, text: str) -> Meaning | None:
         """The question to the robot whose own words are said, unless another is far likelier."""
         general = partial(self._decider.is_general, text) if self._decider else lambda: False
-        if self._decider and self._decider.small_talk(text)[1] >= CHATS_SURELY:
-            return None
         for agent in self._active_first():
             if call := cued(text, self._questions[agent.name].lexicon, general):
-                if self._orders_beside(text):
+                chats = self._decider and self._decider.small_talk(text)[1] >= CHATS_SURELY
+                if chats or self._orders_beside(text):
                     return None
                 return self._told(text) or Meaning(agent, (call,), "reading", ASK_FROM)
         return None

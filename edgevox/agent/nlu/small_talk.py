@@ -12,7 +12,7 @@ CHATS, CHATS_APART = 0.5, 0.6
 """Least likelihood of small talk, and of that in one of several clauses."""
 
 CHATS_SURELY = 0.9
-"""The same of the last words of a text that are small talk beside what is none."""
+"""Likelihood of small talk that outweighs a question to the robot, or that ends other words."""
 
 CHATS_PLAINLY = 0.8
 """The same of small talk that could also be a question about the world in general."""

@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Callable, Mapping
+from fractions import Fraction
 from functools import lru_cache
 
 from edgevox.agent.nlu.questions import asks
@@ -10,12 +11,15 @@ from edgevox.agent.phrases.numbers import digits
 from edgevox.agent.phrases.phrasebook import Phrasebook
 from edgevox.agent.text.spelling import NUMBER
 
-_MOST = 1e12
+_MOST = 10**12
 _DECIMALS = 2
-_EXACT = 1e-9
+_MOST_IN_FRONT = 4
+"""Number of words in front of a sum: "how much is a hundred" has four in digits."""
 _A_NUMBER = re.compile(r"\d+(?:[.,]\d+)*")
+_THOUSANDS = re.compile(r"\d[.,]\d{3}(?!\d)")
+"""A number that is a thousand times as large in some languages as in others."""
 
-_SUMS: Mapping[str, Callable[[float, float], float]] = {
+_SUMS: Mapping[str, Callable[[Fraction, Fraction], Fraction]] = {
     "plus": lambda a, b: a + b,
     "minus": lambda a, b: a - b,
     "times": lambda a, b: a * b,
@@ -27,27 +31,41 @@ _SUMS: Mapping[str, Callable[[float, float], float]] = {
 def answer_to_sum(text: str, code: str) -> str:
     """The answer to the one sum in a text, in this language; empty for any other text.
 
-    The text has no number beside the two of the sum, whose wordings are in `[sums]` of a language,
-    and ends in it, or asks something.
+    The wordings of sums are in `[sums]` of a language. The text has no number beside the two, no
+    sign before them, and nothing but a few words that ask for the result around them.
     """
     plain = " ".join(text.split())
+    if _THOUSANDS.search(plain):
+        return ""
     for said in (plain, digits(plain, code)):
         for name, pattern, numbers in _patterns(code):
             found = pattern.search(said)
             if found is None or len(_A_NUMBER.findall(said)) != numbers:
                 continue
-            if asks(text, code) or _behind(code).fullmatch(said, found.end()):
-                return _told(name, float(found["a"]), float(found["b"]), phrasebook(code))
+            if _is_asked_for(found, text, code):
+                return _told(name, Fraction(found["a"]), Fraction(found["b"]), phrasebook(code))
     return ""
 
 
-def _told(name: str, a: float, b: float, book: Phrasebook) -> str:
-    if max(abs(a), abs(b)) > _MOST or (name == "over" and b == 0):
+def _is_asked_for(found: re.Match[str], text: str, code: str) -> bool:
+    front, sums = found.string[: found.start()].rstrip(), phrasebook(code).sums
+    behind = _behind(code).fullmatch(found.string, found.end())
+    signs = ("-", "\u2212", *(one[len("{a}") : -len("{b}")].strip() for one in sums["minus"]))
+    words = front.split() if phrasebook(code).hearing.spaced else front
+    if behind is None or front.casefold().endswith(signs) or len(words) > _MOST_IN_FRONT:
+        return False
+    return not front or bool(behind[1]) or asks(text, code)
+
+
+def _told(name: str, a: Fraction, b: Fraction, book: Phrasebook) -> str:
+    if name == "over" and b == 0:
         return ""
     value = _SUMS[name](a, b)
     result = round(value, _DECIMALS)
-    exact = abs(value - result) < _EXACT * max(1.0, abs(value))
-    return book.say("sum" if exact else "sum_about", result=f"{result:.15g}")
+    if abs(value) > _MOST or (value and not result):
+        return ""
+    told = "sum" if result == value else "sum_about"
+    return book.say(told, result=f"{float(result):.15g}")
 
 
 @lru_cache
@@ -69,7 +87,7 @@ def _patterns(code: str) -> list[tuple[str, re.Pattern[str], int]]:
 def _behind(code: str) -> re.Pattern[str]:
     """What may stand behind a sum: marks, and what asks for its result."""
     words = "|".join(map(re.escape, phrasebook(code).sums["behind"]))
-    return re.compile(rf"\W*(?:{words})?\W*", re.IGNORECASE)
+    return re.compile(rf"\W*({words})?\W*", re.IGNORECASE)
 
 
 def _pattern(wording: str) -> re.Pattern[str]:

@@ -178,8 +178,13 @@ class Stopping:
         return word is not None
 
     def _opens(self, text: str) -> str | None:
-        """The wait that opens these words; None while nothing goes on: "wait, I wasn't ready"."""
-        return self._safety.opens(text) if self._going_on else None
+        """The wait that opens these words: "wait, I wasn't ready".
+
+        None while nothing goes on; a program whose time has not come does not.
+        """
+        begun = any(one.goal for one in self._programs.kept)
+        going_on = self._turn() or self._executor.moving or begun
+        return self._safety.opens(text) if going_on else None
 
     def _nearly(self, words: TextInput | Heard) -> str | None:
         """The stop word that these spoken words sound like; None while nothing moves."""
@@ -263,7 +268,8 @@ class Stopping:
         told = _weightier(untold, _told(stopped=stopped, waited=waited)) if tell else ""
         before, after = self._safety.around(word, words.text)
         stood = self._safety.before(word, words.text) if told == STANDING else ""
-        opened = "" if self._safety.find(words.text) else clean(words.text)
+        waits = not self._safety.find(words.text) and self._safety.opens(words.text)
+        opened = clean(words.text) if waits else ""
         if after or stood or opened:
             mark, said = self._interlock.mark, "" if told == STANDING else told
             text = self.in_words(said) if said else ""

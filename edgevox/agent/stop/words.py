@@ -193,7 +193,7 @@ class _Rules:
 
     @cached_property
     def _denying(self) -> frozenset[str]:
-        """Words that alone deny what follows them; "no" also answers."""
+        """Words that alone deny what follows them, but for "no", which also answers."""
         return frozenset(row[0] for row in self._denials if len(row) == 2) - {_NO}
 
     @cached_property
