@@ -26,7 +26,7 @@ from edgevox.robots.flat.apartment import ApartmentRobot
 CHATTER = "what is the capital of Norway?"
 TIGHT_TOKENS = 1536
 """A context in which instructions and an answer leave room for an exchange or two."""
-TURNS = 3
+TURNS = 5
 """More than fit into that."""
 
 
