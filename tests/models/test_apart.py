@@ -8,7 +8,7 @@ from corpus_robots import skills_of_robots
 from edgevox.agent.agents import Agent
 from edgevox.agent.nlu.decider import Decider
 from edgevox.agent.nlu.interpreter import Interpreter
-from edgevox.agent.nlu.meaning import REFERENCES
+from edgevox.agent.nlu.meaning import REFERENCES, Meaning
 from edgevox.agent.skills import Call, GoalHandle, Skill, SkillSet, skill
 from edgevox.agent.turn import Turn
 from edgevox.apps.agent.models import open_decider
@@ -290,6 +290,18 @@ def reference(name: str) -> Skill:
     return skill(moves=False)(refer)
 
 
+def meant(says: str, language: str = "en") -> Meaning | None:
+    """What words mean to a robot that knows references."""
+    agent = Agent(
+        "robot",
+        "",
+        skills_of_robots()["robot-apartment"],
+        dialogue_skills=SkillSet(map(reference, REFERENCES)),
+    )
+    one = Interpreter([agent], Bus(), SystemClock(), language=language, decider=open_decider())
+    return one.understand(says, Turn(1, Bus(), SystemClock(), lambda: None))
+
+
 @pytest.mark.parametrize(
     ("language", "says", "refers"),
     [
@@ -305,15 +317,7 @@ def reference(name: str) -> Skill:
     ],
 )  # fmt: skip
 def test_what_was_done_before_is_referred_to_in_any_words_and_asked_about(language, says, refers):
-    agent = Agent(
-        "robot",
-        "",
-        skills_of_robots()["robot-apartment"],
-        dialogue_skills=SkillSet(map(reference, REFERENCES)),
-    )
-    one = Interpreter([agent], Bus(), SystemClock(), decider=open_decider())
-    one.set_language(language)
-    meaning = one.understand(says, Turn(1, Bus(), SystemClock(), lambda: None))
+    meaning = meant(says, language)
 
     assert meaning is not None
     assert (meaning.calls, meaning.sure) == ((Call(refers),), False)
@@ -331,14 +335,7 @@ def test_what_was_done_before_is_referred_to_in_any_words_and_asked_about(langua
     ],
 )
 def test_what_changes_it_or_asks_something_refers_to_nothing(says):
-    agent = Agent(
-        "robot",
-        "",
-        skills_of_robots()["robot-apartment"],
-        dialogue_skills=SkillSet(map(reference, REFERENCES)),
-    )
-    one = Interpreter([agent], Bus(), SystemClock(), decider=open_decider())
-    meaning = one.understand(says, Turn(1, Bus(), SystemClock(), lambda: None))
+    meaning = meant(says)
 
     assert not meaning or not {call.skill for call in meaning.calls} & set(REFERENCES)
 

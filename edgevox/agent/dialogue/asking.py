@@ -372,7 +372,6 @@ class Asking:
 
         Words that mean nothing to it are left alone.
         """
-        turn.doubted = True
         read: Meaning | RefusedCommand | None = None
         if stopped.opened:
             read = self._interpreter.opened_by_wait(stopped.opened)
@@ -384,10 +383,10 @@ class Asking:
 
     def go_on(self, text: str, before: str, turn: Turn) -> Meaning | None:
         """Take up what a person wants in place of what was stopped, or of the words `before`."""
-        turn.doubted = True
         return self._taken_up(self._corrections.after_stop(text, before), turn)
 
     def _taken_up(self, read: Meaning | RefusedCommand | None, turn: Turn) -> Meaning | None:
+        turn.doubted = True
         if isinstance(read, RefusedCommand):
             turn.say(read.reason, Outcome.REFUSED, detail=read.detail)
         if not isinstance(read, Meaning):

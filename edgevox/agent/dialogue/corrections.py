@@ -21,6 +21,7 @@ from edgevox.agent.nlu.templates import RefusedCommand
 from edgevox.agent.phrases.numbers import digits, is_exact
 from edgevox.agent.phrases.phrasebook import Phrasebook
 from edgevox.agent.skills import Call, OneOf, Skill
+from edgevox.agent.skills.skill import opposite_of
 from edgevox.agent.stop.words import denies_stop
 from edgevox.agent.text.spelling import NUMBER, is_same_name, key
 from edgevox.core.files.text import one_form
@@ -222,9 +223,8 @@ class Corrections:
             return None
         (call,) = said.calls
         skills = agent.every_skill
-        opposite = skills[wrong.skill].opposite
-        if call.skill == THE_OTHER and opposite in skills and self._question.asked:
-            return Call(opposite, wrong.arguments)
+        if call.skill == THE_OTHER and self._question.asked:
+            return opposite_of(wrong, skills)
         if call.skill == wrong.skill or call.arguments or call.skill not in skills:
             return None
         one, other = skills[call.skill], skills[wrong.skill]

@@ -11,7 +11,7 @@ from typing import Any
 from edgevox.agent.dialogue.memory import Dialogue, DialogueExchange
 from edgevox.agent.nlu.meaning import After, Do, Program, When, kernel, parts_of
 from edgevox.agent.skills import Call, OneOf, Skill, SkillFailed
-from edgevox.agent.skills.skill import TO_POINT, no_further, no_way_back
+from edgevox.agent.skills.skill import TO_POINT, no_further, no_way_back, opposite_of
 from edgevox.agent.text.reasons import because
 
 _CENTIMETRES = 2
@@ -94,8 +94,8 @@ class References:
         if asked is None or asked.program or not self._dialogue.repeatable(asked):
             raise SkillFailed(because("nothing_before"))
         calls = tuple(asked.calls)
-        if len(calls) == 1 and (opposite := self._opposite(calls[0])):
-            return (Call(opposite, calls[0].arguments),)
+        if len(calls) == 1 and (opposite := opposite_of(calls[0], self._skills)):
+            return (opposite,)
         chosen = {old for call in calls for _, old, _ in self._chosen(call)}
         if not chosen:
             raise SkillFailed(because("nothing_before"))
@@ -115,11 +115,9 @@ class References:
     def other_is_unsure(self) -> bool:
         """True if "the other" asks first: the last motion was stopped, or went by an amount."""
         asked = self._dialogue.asked(self._moved)
-        return asked is not None and (asked.stopped or any(map(self._opposite, asked.calls)))
-
-    def _opposite(self, call: Call) -> str:
-        one = self._skills.get(call.skill)
-        return one.opposite if one and one.opposite in self._skills else ""
+        return asked is not None and (
+            asked.stopped or any(opposite_of(one, self._skills) for one in asked.calls)
+        )
 
     def also(self, value: str) -> Sequence[Call]:
         """The last calls with this word, if it can replace only one word."""

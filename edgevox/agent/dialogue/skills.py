@@ -1,8 +1,7 @@
 """Dialogue skills: questions and references as plain sentences in every language.
 
-These skills move nothing and stop nothing. A
-question gets a short answer from the memory of the dialogue; a reference is replaced by the calls
-that `DialogueSkills.meant` finds for it.
+These skills move nothing and stop nothing. A question gets a short answer from the memory of the
+dialogue; a reference is replaced by the calls that `DialogueSkills.meant` finds for it.
 """
 
 from collections.abc import Callable, Mapping, Sequence

@@ -419,6 +419,12 @@ class Call:
     arguments: Mapping[str, Any] = field(default_factory=dict)
 
 
+def opposite_of(call: Call, skills: Mapping[str, Skill]) -> Call | None:
+    """The same motion the other way; None if no skill makes it."""
+    one = skills.get(call.skill)
+    return Call(one.opposite, call.arguments) if one and one.opposite in skills else None
+
+
 TO_POINT = "navigate_xy"
 """The skill that drives to where a body was."""
 _TO_PLACE = "navigate_to"

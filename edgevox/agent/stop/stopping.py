@@ -170,9 +170,11 @@ class Stopping:
 
     def hears(self, words: TextInput | Heard) -> bool:
         """Stop if these words hold a stop word; return whether they do."""
-        word = self._safety.find(words.text) or self._opens(words.text) or self._nearly(words)
+        found = self._safety.find(words.text)
+        wait = None if found else self._opens(words.text)
+        word = found or wait or self._nearly(words)
         if word:
-            self._stop_word(word, words)
+            self._stop_word(word, words, opened=clean(words.text) if wait else "")
         elif isinstance(words, Heard) and words.spotted:
             self._tell_spotted()
         return word is not None
@@ -249,7 +251,8 @@ class Stopping:
         sentence = phrases.failure(unheard)
         return sentence if told == STANDING else f"{phrases.say(told)} {sentence}"
 
-    def _stop_word(self, word: str, words: TextInput | Heard) -> None:
+    def _stop_word(self, word: str, words: TextInput | Heard, opened: str) -> None:
+        """Stop for this word; see `inbox.Stopped` for what is `opened`."""
         said_s, spotted = self._clock.now(), False
         if isinstance(words, Heard):
             said_s, spotted = words.ended_s, words.spotted
@@ -268,8 +271,6 @@ class Stopping:
         told = _weightier(untold, _told(stopped=stopped, waited=waited)) if tell else ""
         before, after = self._safety.around(word, words.text)
         stood = self._safety.before(word, words.text) if told == STANDING else ""
-        waits = not self._safety.find(words.text) and self._safety.opens(words.text)
-        opened = clean(words.text) if waits else ""
         if after or stood or opened:
             mark, said = self._interlock.mark, "" if told == STANDING else told
             text = self.in_words(said) if said else ""
