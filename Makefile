@@ -160,6 +160,7 @@ people: $(DONE)/dev $(DONE)/msgs ## Measure hearing, and who speaks, on real peo
 	@EDGEVOX_PEOPLE=$(abspath $(PEOPLE)) $(BIN)/python -m benchmarks.hearing.people $(ARGS)
 	@EDGEVOX_PEOPLE=$(abspath $(PEOPLE)) $(BIN)/python -m benchmarks.hearing.people_busy
 	@-EDGEVOX_PEOPLE=$(abspath $(PEOPLE)) $(BIN)/python -m benchmarks.hearing.people_stops
+	@-EDGEVOX_PEOPLE=$(abspath $(PEOPLE)) $(BIN)/python -m benchmarks.hearing.people_stops_arabic
 	@EDGEVOX_PEOPLE=$(abspath $(PEOPLE)) $(BIN)/python -m benchmarks.hearing.voiceprints $(ARGS)
 
 .PHONY: image

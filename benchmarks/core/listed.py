@@ -102,7 +102,11 @@ BENCHMARKS: Mapping[str, Benchmark] = {
     ),
     "people_stops": Benchmark(
         "benchmarks.hearing.people_stops",
-        "stop words by real people in Arabic; needs their recordings",
+        "stop words by real people in English; needs their recordings",
+    ),
+    "people_stops_arabic": Benchmark(
+        "benchmarks.hearing.people_stops_arabic",
+        "the same in Arabic; needs their recordings",
     ),
     "people_busy": Benchmark(
         "benchmarks.hearing.people_busy",

@@ -13,7 +13,6 @@ without the product's adapter, to which no words are shown.
 """
 
 import argparse
-import hashlib
 import json
 import os
 import re
@@ -41,6 +40,7 @@ from edgevox.voice.audio import RATE_HZ, Samples
 from edgevox.voice.stop_spotter.network import ENCODER
 from edgevox.voice.stop_spotter.spotter import open_stop_spotter
 from training.acoustics import Half
+from training.acoustics.people import half_of
 
 FOLDER = "EDGEVOX_PEOPLE"
 BARISTA = Path(__file__).with_name("barista.yaml")
@@ -178,11 +178,6 @@ def is_whole(text: str, slots: Mapping[str, str]) -> bool:
     """Whether the words of each slot are in a transcript, side by side."""
     said = f" {_plain(text)} "
     return all(f" {_plain(one)} " in said for one in slots.values())
-
-
-def half_of(speaker: str) -> Half:
-    """On which side of the split a speaker is."""
-    return Half.TUNING if hashlib.sha256(speaker.encode()).digest()[0] % 2 else Half.HELD_OUT
 
 
 def _plain(text: str) -> str:

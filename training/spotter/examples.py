@@ -80,10 +80,15 @@ class Example:
 
 
 class Examples:
-    """Makes examples of these sounds."""
+    """Makes examples of these sounds, with each word as often as the next, or as `shares` say."""
 
-    def __init__(self, sounds: Sequence[Sound], rng: np.random.Generator) -> None:
-        self._rng = rng
+    def __init__(
+        self,
+        sounds: Sequence[Sound],
+        rng: np.random.Generator,
+        shares: Sequence[float] | None = None,
+    ) -> None:
+        self._rng, self._shares = rng, shares
         self._words = [
             [s for s in sounds if s.word == number]
             for number in range(1 + max(s.word for s in sounds))
@@ -94,10 +99,15 @@ class Examples:
         """The next one."""
         rng, track = self._rng, silence(TRACK_S)
         if rng.random() < _WITH_WORD:
-            return self._with_word(int(rng.integers(1, len(self._words))), track)
+            return self._with_word(self._word(), track)
         if rng.random() < 0.95:
             self._chatter(track, int(rng.uniform(0, 1.2) * RATE_HZ), track.size)
         return Example(track)
+
+    def _word(self) -> int:
+        if self._shares is None:
+            return int(self._rng.integers(1, len(self._words)))
+        return 1 + int(self._rng.choice(len(self._shares), p=self._shares))
 
     def _with_word(self, word: int, track: Wave) -> Example:
         rng, sound = self._rng, self._sound(word)

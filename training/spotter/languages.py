@@ -7,6 +7,7 @@ outputs. Who speaks a language is judged by its outputs alone; the first is for 
 from collections import Counter
 from collections.abc import Sequence
 
+from training.acoustics import Half, people
 from training.acoustics import languages as others
 from training.acoustics.clips import Clip
 from training.spotter import texts
@@ -15,6 +16,8 @@ from training.spotter.examples import IGNORED, Sound
 ENGLISH = "en"
 SHARES = {"kokoro": 0.55, "espeak": 0.42, "piper": 0.03}
 """How much of what is drawn each engine says, however many clips of it there are."""
+PEOPLE = 1.0
+"""How often a person says what is drawn beside a synthetic voice: a word, or none."""
 NATIVE = 2.0
 """How often a clip of a native voice is drawn beside another of Kokoro's."""
 
@@ -67,6 +70,19 @@ def sounds_of(language: str, clips: Sequence[Clip]) -> list[Sound]:
             SHARES[clip.engine] * _weight(language, clip) / whole[clip.word, clip.engine],
         )
         for clip in clips
+    ]  # fmt: skip
+
+
+def sounds_of_people() -> list[Sound]:
+    """What people say who train: the stop word, and words that are none. None without a folder."""
+    some = [one for one in people.recordings() if one.part is Half.TRAIN]
+    whole = Counter(one.word == people.STOP for one in some)
+    return [
+        Sound(
+            people.spoken(one.samples), 1 if one.word == people.STOP else 0, False,
+            PEOPLE / whole[one.word == people.STOP],
+        )
+        for one in some
     ]  # fmt: skip
 
 

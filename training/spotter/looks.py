@@ -41,15 +41,27 @@ class Block(NamedTuple):
 
 
 class Looks(IterableDataset[Block]):
-    """Blocks without end, of the sounds of each language."""
+    """Blocks without end, of the sounds of each language; of the English words as many as `shares`
+    say.
+    """
 
-    def __init__(self, sounds: Mapping[str, Sequence[Sound]], outputs: Outputs, seed: int) -> None:
+    def __init__(
+        self,
+        sounds: Mapping[str, Sequence[Sound]],
+        outputs: Outputs,
+        seed: int,
+        shares: Sequence[float] | None = None,
+    ) -> None:
         self._sounds, self._outputs, self._seed = sounds, outputs, seed
+        self._shares = shares
 
     def __iter__(self) -> Iterator[Block]:
         worker = get_worker_info()
         rng = np.random.default_rng((self._seed, worker.id if worker else 0))
-        examples = {code: Examples(some, rng) for code, some in self._sounds.items()}
+        examples = {
+            code: Examples(some, rng, self._shares if code == ENGLISH else None)
+            for code, some in self._sounds.items()
+        }
         languages = [*examples]
         odds = shares_of(languages)
         while True:

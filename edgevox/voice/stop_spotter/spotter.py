@@ -77,7 +77,7 @@ ASKS_FROM, MOST_ASKED = 0.3, 8
 """The likelihood from which the judge asks for a second look, and the most looks for what may be
 one word. It also asks whenever the network is sure, as when a person shouts "stop" again and
 again."""
-LEAST_ODDS = 0.14
+LEAST_ODDS = 0.1
 """The odds of the network (3 for 0.75), squared, times the likelihood of the second look: from
 here on a word counts. Squared, because Whisper also finds words in voices that talk at once.
 This number sets how many words are heard, and how many false stops there are: see
@@ -86,7 +86,7 @@ NOISY_DB, QUIET_DB, QUIET_TIMES = 15.0, 25.0, 30.0
 """Decibels by which speech stands out of the background. At the lower one, or below, the least
 odds apply as they are; they rise from there, and are this many times as high at the upper one
 and above."""
-_UNSURE, _UNHEARD = 1e-3, 1e-4
+_UNSURE, _UNHEARD = 1e-3, 3e-5
 """Bounds of belief: the network's doubt is at least the first, the second look's likelihood at
 least the second."""
 
