@@ -278,7 +278,7 @@ def test_while_the_robot_speaks_it_never_sleeps(playing):
 def test_while_the_robot_speaks_nothing_is_quiet(monkeypatch, playing):
     silence, voice = (np.full(FRAME_SAMPLES, level, np.int16) for level in (3, 3_000))
     monkeypatch.setattr(stop_spotter, "likelihoods", lambda *_: LIKELY[None])
-    spotter = StopSpotter(Encoder(), read_weights(), second=lambda _: 0.05)
+    spotter = StopSpotter(Encoder(), read_weights(), second=lambda _: 0.03)
     for _ in range(20):
         spotter.heard(silence, 0.01)
 
