@@ -128,7 +128,7 @@ FAILURES = {
 }
 
 
-LASTS = {"takes", "left", "lasts"}
+LASTS = {"takes", "left", "lasts", "took"}
 FACT: Mapping[str, Any] = {
     **dict.fromkeys(LASTS, 75),
     **dict.fromkeys(

@@ -240,6 +240,13 @@ class Dialogue:
             return None
         return (self._clock.now() - running.began_s) * (1 / running.progress - 1)
 
+    def took_s(self, motion: MotionRecord) -> int | None:
+        """Whole seconds that a motion took, at least one; until now if it runs. None if unknown."""
+        if motion.began_s is None:
+            return None
+        runs = motion.status is GoalStatus.RUNNING
+        return max(1, round((self._clock.now() if runs else motion.last_s) - motion.began_s))
+
     def moved(self) -> MotionRecord | None:
         """The last motion, running or ended, or None."""
         return next(iter(self._ran()), None)

@@ -55,9 +55,10 @@ _PLAIN = "template"
 LAST_DONE = "what_did_you_do"
 WHERE_BEFORE = "where_were_you"
 WAY_LEFT = "how_much_further"
+TIME_TAKEN = "how_long_took"
 OF_DIALOGUE = (
-    LAST_DONE, WHERE_BEFORE, WAY_LEFT, "what_time", "what_date", "who_are_you", "do_you_hear_me",
-    "where_is_it", "how_far_is_it",
+    LAST_DONE, WHERE_BEFORE, WAY_LEFT, TIME_TAKEN, "what_time", "what_date", "who_are_you",
+    "which_languages", "do_you_hear_me", "where_is_it", "how_far_is_it",
 )  # fmt: skip
 """Names of the facts that every robot has."""
 
@@ -377,7 +378,17 @@ def _past(
         left = {"left_s": about_s(left_s)} if left_s is not None else {}
         return {"running": True, "metres": way.metres if way else None, **left}
 
-    return what_did_you_do, where_were_you, how_much_further
+    @skill(moves=False)
+    def how_long_took(goal: GoalHandle) -> Result:
+        """Say how long the last motion took, or the running one has taken until now."""
+        goal.token.check()
+        moved, running = dialogue.moved(), dialogue.running()
+        took_s = dialogue.took_s(moved) if moved else None
+        if took_s is None:
+            return {}
+        return {"running": moved is running, "ended": moved is not running, "took_s": took_s}
+
+    return what_did_you_do, where_were_you, how_much_further, how_long_took
 
 
 def _in_words(moved: MotionRecord, skills: Mapping[str, Skill], book: Phrasebook) -> str:
@@ -410,12 +421,18 @@ def _self() -> tuple[Skill, ...]:
         return {}
 
     @skill(moves=False)
+    def which_languages(goal: GoalHandle) -> Result:
+        """Say which languages the robot can be set to."""
+        goal.token.check()
+        return {}
+
+    @skill(moves=False)
     def do_you_hear_me(goal: GoalHandle) -> Result:
         """Say that the robot hears."""
         goal.token.check()
         return {}
 
-    return who_are_you, do_you_hear_me
+    return who_are_you, which_languages, do_you_hear_me
 
 
 def _unknown() -> tuple[Skill, ...]:

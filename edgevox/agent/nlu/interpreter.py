@@ -14,6 +14,7 @@ from edgevox.agent.llm.language_model import ChatMessage, LanguageModel
 from edgevox.agent.nlu.abilities import abilities, cannot_do, not_understood
 from edgevox.agent.nlu.apart import (
     GUESSES,
+    LIKELY_ALONE,
     LIKELY_REFERRED,
     MOST_CLAUSES,
     PLAINLY_ASKED,
@@ -444,9 +445,13 @@ class Interpreter:
             return False
         kind, likely = self._decider.asked(clause)
         names = GUESSES.get(kind, ())
-        moves = any(one.relative for one in self._every_skill() if one.name in names)
+        moves = any(
+            one.relative or not one.arguments_model.model_fields
+            for one in self._every_skill()
+            if one.name in names
+        )
         remark = not opens and kind == TALK and not self._decider.is_order(clause)
-        return likely >= PLAINLY_ASKED and (moves or remark)
+        return (moves and likely >= LIKELY_ALONE) or (remark and likely >= PLAINLY_ASKED)
 
     def _without_acts(self, meaning: Meaning | None, text: str, turn: Turn) -> Meaning | None:
         """The reading, asked about if the words ask for something besides that no skill can do.
