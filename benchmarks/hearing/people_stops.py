@@ -11,13 +11,13 @@ import sys
 from collections import Counter
 from collections.abc import Iterator
 
+from corpus_robots import skills_of_robots
 from support.recordings import InMemory
 
 from benchmarks.core.figures import Figure, Measured, NotHere, printed
 from benchmarks.hearing.people import in_noise
 from edgevox.agent.nlu.hearing.near import NearStop
 from edgevox.agent.nlu.hearing.wordings import HearingPrompts
-from edgevox.agent.skills import SkillSet
 from edgevox.agent.stop.words import SafetyWords
 from edgevox.apps.agent.models import open_phonemes
 from edgevox.core.bus import Bus
@@ -50,7 +50,8 @@ class Driven:
             raise NotHere("nothing here tells how words sound")
         self._near = NearStop(language, phonemes)
         self._whisper = Whisper(
-            lambda code: locate(LANGUAGES[code].stt_model), prompt_of=HearingPrompts(SkillSet([]))
+            lambda code: locate(LANGUAGES[code].stt_model),
+            prompt_of=HearingPrompts(skills_of_robots()["robot-apartment"]),
         )
         self._whisper.warm_up(language)
         self._spotter = open_stop_spotter(locate(ENCODER))
