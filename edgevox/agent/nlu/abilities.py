@@ -99,7 +99,7 @@ def cannot_do(
             if not asked and (behind := _acts_behind(clause, book)) and ordered():
                 asked = behind
         wording, name = max(asked, key=lambda one: len(one[0]), default=("", ""))
-        if wording and no_act(clause, opens):
+        if wording and not english[name].motion and no_act(clause, opens):
             continue
         if wording and names.isdisjoint(english[name].by) and not _words(wording) <= own:
             found[acts[name].cannot] = len(clauses) > 1 or not english[name].in_place

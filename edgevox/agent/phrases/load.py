@@ -78,6 +78,7 @@ def _book(code: str, data: Mapping[str, Any], fallback: Phrasebook | None) -> Ph
                 one["cannot"],
                 tuple(one.get("by", ())),
                 one.get("in_place", False),
+                one.get("motion", False),
             )
             for name, one in data.get("acts", {}).items()
         },

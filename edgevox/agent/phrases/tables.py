@@ -214,3 +214,4 @@ class HouseAct:
     cannot: str
     by: tuple[str, ...] = ()
     in_place: bool = False
+    motion: bool = False
