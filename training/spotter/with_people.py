@@ -59,7 +59,8 @@ class Pool(NamedTuple):
     encoded: torch.Tensor
     wanted: torch.Tensor
 
-    def __add__(self, other: "Pool") -> "Pool":  # type: ignore[override]
+    def with_more(self, other: "Pool") -> "Pool":
+        """Both together."""
         return Pool(*(torch.cat(some) for some in zip(self, other, strict=True)))
 
 
@@ -154,7 +155,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     maker = Maker()
     pool = maker.pool(asked.looks, 1)
     first = write(learnt(pool, read_weights()), asked.folder)
-    write(learnt(pool + maker.pool(asked.more, 3, first), first), asked.folder)
+    write(learnt(pool.with_more(maker.pool(asked.more, 3, first)), first), asked.folder)
     return 0
 
 
