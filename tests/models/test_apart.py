@@ -9,6 +9,7 @@ from edgevox.agent.agents import Agent
 from edgevox.agent.nlu.decider import Decider
 from edgevox.agent.nlu.interpreter import Interpreter
 from edgevox.agent.nlu.meaning import REFERENCES, Meaning
+from edgevox.agent.phrases.load import phrasebook
 from edgevox.agent.skills import Call, GoalHandle, Skill, SkillSet, skill
 from edgevox.agent.turn import Turn
 from edgevox.apps.agent.models import open_decider
@@ -51,6 +52,7 @@ FORWARD, BACK = "walk_forward", "walk_backward"
         ("apartment", "clear out to the office", Call("navigate_to", {"room": "office"})),
         ("panda", "pinch the green cube between your fingers",
          Call("grasp", {"object": "green_cube"})),
+        ("panda", "Please to open the hand.", Call("release", {})),
     ],
 )  # fmt: skip
 def test_an_order_beside_a_remark_or_in_unknown_words_is_asked_about(robot, says, call):
@@ -350,3 +352,21 @@ def test_an_act_that_no_skill_does_is_none_of_what_is_only_told():
     assert understood("apartment", "now make turn on the left, a little")[0] == [
         Call("turn_left", {"degrees": 20.0})
     ]
+
+
+@pytest.mark.parametrize(
+    ("language", "says"),
+    [
+        ("en", "only two steps left"),
+        ("fr", "tourne à droite, pas à gauche"),
+        ("es", "desplázate a la cocina"),
+        ("hi", "बाएँ मुड़कर दो कदम चलो"),
+        ("id", "geser ke depan satu meter"),
+        ("ru", "сдвинься вперёд на метр"),
+        ("tr", "sola dönüp iki adım at"),
+    ],
+)
+def test_words_of_turns_and_drives_are_no_step_to_the_side(language, says):
+    cannot = phrasebook(language).acts["sideways"].cannot
+
+    assert cannot not in understood("apartment", says, language)[2]

@@ -62,7 +62,7 @@ def half_of(speaker: str) -> Half:
 
 
 def part_of(speaker: str) -> Half:
-    """The same in three: two of three of those who are not held out train."""
+    """The part of a speaker. Of speakers who are not held out, two of three train."""
     half = half_of(speaker)
     return Half.TRAIN if half is Half.TUNING and _digest(speaker)[1] % 3 else half
 

@@ -17,7 +17,7 @@ ENGLISH = "en"
 SHARES = {"kokoro": 0.55, "espeak": 0.42, "piper": 0.03}
 """How much of what is drawn each engine says, however many clips of it there are."""
 PEOPLE = 1.0
-"""How often a person says what is drawn beside a synthetic voice: a word, or none."""
+"""Weight of people beside all synthetic voices, for the stop word and for other words."""
 NATIVE = 2.0
 """How often a clip of a native voice is drawn beside another of Kokoro's."""
 
@@ -74,7 +74,7 @@ def sounds_of(language: str, clips: Sequence[Clip]) -> list[Sound]:
 
 
 def sounds_of_people() -> list[Sound]:
-    """What people say who train: the stop word, and words that are none. None without a folder."""
+    """The recordings that train: the stop word, and other words. Empty without a folder."""
     some = [one for one in people.recordings() if one.part is Half.TRAIN]
     whole = Counter(one.word == people.STOP for one in some)
     return [

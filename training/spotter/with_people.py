@@ -3,10 +3,11 @@
     EDGEVOX_SPEECH_COMMANDS=... python -m training.spotter.with_people FOLDER
 
 The encoder, and with it the other languages, stay as the package has them: what it makes of each
-look is computed once, and two cores learn in half an hour. It begins with the package's weights.
+look is computed once, and two cores learn in 40 minutes. It begins with the package's weights.
 Two rounds: first from all looks, then with as many more, of which mostly those that were heard
 wrongly are kept. What synthetic voices say is learnt from where it was spoken before; `train.py`
-speaks it. Needs PyTorch and `training.acoustics.people`; `train.py` installs what comes of it.
+speaks it. Needs PyTorch and the recordings that `training.acoustics.people` reads; `train.py`
+installs what comes of it.
 """
 
 import argparse
@@ -48,7 +49,7 @@ SHARES = (0.6, 0.2, 0.2)
 """Of the words: people say the first."""
 NOISES_OF_A_KIND = 12
 HEARD_WELL, KEPT_SHARE = 0.8, 0.08
-"""In the second round so many of the looks that are as likely as this or more are kept."""
+"""The second round keeps looks with a likelihood below the first, and this share of the others."""
 EPOCHS, BATCH, FASTEST, SMOOTHED = 5, 256, 5e-4, 0.01
 _WARMING = 40
 

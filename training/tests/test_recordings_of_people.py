@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 
 from training.acoustics import Half, people
+from training.spotter.examples import Examples, Sound
+from training.spotter.languages import sounds_of_people
 
 
 def record(file, samples):
@@ -58,3 +60,25 @@ def test_a_word_is_cut_out_of_the_silence_around_it():
     sound[4_800:8_000] = 3_000
 
     assert people.spoken(sound).size == 3_200
+
+
+def test_only_those_who_train_are_learnt_from(tmp_path, monkeypatch):
+    speakers = [f"{number:08x}" for number in range(40)]
+    said = np.full(1_600, 1_000, np.int16)
+    for one in speakers:
+        record(tmp_path / f"stop/{one}_nohash_0.wav", said)
+        record(tmp_path / f"left/{one}_nohash_0.wav", said)
+    monkeypatch.setenv(people.FOLDER, str(tmp_path))
+    training = [one for one in speakers if people.part_of(one) is Half.TRAIN]
+
+    found = [one.word for one in sounds_of_people()]
+
+    assert sorted(found) == [0] * len(training) + [1] * len(training)
+
+
+def test_words_are_drawn_by_their_shares():
+    tone = (3_000 * np.sin(np.arange(4_000) / 9)).astype(np.int16)
+    sounds = [Sound(tone, word, False) for word in range(4)]
+    made = Examples(sounds, np.random.default_rng(1), shares=(0.0, 1.0, 0.0))
+
+    assert {one.word for one in (made.make() for _ in range(40))} == {0, 2}

@@ -55,9 +55,8 @@ _PLAIN = "template"
 LAST_DONE = "what_did_you_do"
 WHERE_BEFORE = "where_were_you"
 WAY_LEFT = "how_much_further"
-TIME_TAKEN = "how_long_took"
 OF_DIALOGUE = (
-    LAST_DONE, WHERE_BEFORE, WAY_LEFT, TIME_TAKEN, "what_time", "what_date", "who_are_you",
+    LAST_DONE, WHERE_BEFORE, WAY_LEFT, "how_long_took", "what_time", "what_date", "who_are_you",
     "which_languages", "do_you_hear_me", "where_is_it", "how_far_is_it",
 )  # fmt: skip
 """Names of the facts that every robot has."""

@@ -436,10 +436,10 @@ class Interpreter:
         )
 
     def _names_no_act(self, clause: str, opens: bool) -> bool:
-        """True if a clause plainly asks for a turn or a drive by an amount, which the robot can.
+        """True if a clause most likely asks for a motion that the robot can do.
 
-        Also for a remark in which the words of an act stand behind others (not `opens`): "that's
-        when I take my tablets".
+        One by an amount, or one that needs none: "open the hand". Also for a remark in which the
+        words of an act stand behind others (not `opens`): "that's when I take my tablets".
         """
         if self._decider is None:
             return False

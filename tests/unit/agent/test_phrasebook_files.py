@@ -15,7 +15,7 @@ from edgevox.agent.stop.words import SafetyWords
 from edgevox.agent.text.spelling import key
 from edgevox.agent.text.words import fields
 from edgevox.core.errors import InvalidValue
-from edgevox.core.languages import LANGUAGES
+from edgevox.core.languages import LANGUAGES, language_file
 
 OTHERS = [code for code in LANGUAGES if code != ENGLISH]
 DEEP = ("fr", "es", "it", "pt", "de")
@@ -177,3 +177,12 @@ def _codes_given():
         if isinstance(node, ast.Call) and getattr(node.func, "id", "") == "because"
     ]
     return {ast.literal_eval(call.args[0]) for call in calls}
+
+
+@pytest.mark.parametrize("code", LANGUAGES)
+def test_the_answer_which_languages_it_speaks_names_all(code):
+    table = language_file(code)
+    names = table["rules"]["language"].strip("()").split("|")
+
+    assert len(names) == len(LANGUAGES)
+    assert all(one in table["facts"]["which_languages"]["done"] for one in names)
