@@ -11,10 +11,22 @@ _VOICED_DB = -25.0
 
 def voiced_power(sound: NDArray[np.generic]) -> float:
     """The mean power of those 20 ms pieces that are at most 25 dB below the loudest one."""
+    power, voiced = _pieces(sound)
+    return float(np.mean(power[voiced]))
+
+
+def voiced_part(sound: Samples) -> Samples:
+    """From the first to the last of those pieces."""
+    voiced = np.flatnonzero(_pieces(sound)[1])
+    return sound[voiced[0] * _STEP : (voiced[-1] + 1) * _STEP]
+
+
+def _pieces(sound: NDArray[np.generic]) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
+    """The power of each 20 ms, and whether there is a voice."""
     whole = np.asarray(sound, np.float64)
     pieces = whole[: whole.size // _STEP * _STEP].reshape(-1, _STEP)
     power = np.mean(pieces**2, axis=1) if len(pieces) else np.zeros(1)
-    return float(np.mean(power[power >= power.max() * 10 ** (_VOICED_DB / 10)]))
+    return power, power >= power.max() * 10 ** (_VOICED_DB / 10)
 
 
 def mixed(

@@ -14,7 +14,7 @@ from pathlib import Path
 
 import numpy as np
 
-from edgevox.voice.audio import RATE_HZ, Samples
+from edgevox.voice.audio import Samples
 from edgevox.voice.wav import stream_wav
 from training.acoustics import Half
 
@@ -24,7 +24,6 @@ SILENCE = "_silence_"
 UNKNOWN = "_unknown_"
 """The folder of many words, each of which begins its file's name."""
 _NAME = re.compile(r"(?:([a-z]+)_)?([0-9a-f]{8})_nohash_\d+")
-_PIECE, _BELOW_DB = RATE_HZ // 50, 25.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,14 +64,6 @@ def part_of(speaker: str) -> Half:
     """The part of a speaker. Of speakers who are not held out, two of three train."""
     half = half_of(speaker)
     return Half.TRAIN if half is Half.TUNING and _digest(speaker)[1] % 3 else half
-
-
-def spoken(sound: Samples) -> Samples:
-    """From the first to the last 20 ms that are at most 25 dB below the loudest."""
-    pieces = sound[: sound.size // _PIECE * _PIECE].astype(np.float64).reshape(-1, _PIECE)
-    power = np.square(pieces).mean(axis=1)
-    loud = np.flatnonzero(power >= power.max() * 10 ** (-_BELOW_DB / 10))
-    return sound[loud[0] * _PIECE : (loud[-1] + 1) * _PIECE]
 
 
 def _digest(speaker: str) -> bytes:

@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from training.acoustics import Half, people
 from training.acoustics import languages as others
 from training.acoustics.clips import Clip
+from training.acoustics.mixing import voiced_part
 from training.spotter import texts
 from training.spotter.examples import IGNORED, Sound
 
@@ -79,7 +80,7 @@ def sounds_of_people() -> list[Sound]:
     whole = Counter(one.word == people.STOP for one in some)
     return [
         Sound(
-            people.spoken(one.samples), 1 if one.word == people.STOP else 0, False,
+            voiced_part(one.samples), 1 if one.word == people.STOP else 0, False,
             PEOPLE / whole[one.word == people.STOP],
         )
         for one in some

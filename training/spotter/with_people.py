@@ -40,6 +40,7 @@ from training.spotter.looks import Looks
 from training.spotter.network import INNER, Network, layers_of, load
 from training.spotter.train import NOISE_S, SEED, told
 from training.spotter.train import PLACE as SHIPPED
+from training.whisper.course import Course
 from training.whisper.making import all_made_beside
 from training.whisper.program import write_whole
 from training.whisper.surroundings import Surroundings, noise_to_train
@@ -51,7 +52,6 @@ NOISES_OF_A_KIND = 12
 HEARD_WELL, KEPT_SHARE = 0.8, 0.08
 """The second round keeps looks with a likelihood below the first, and this share of the others."""
 EPOCHS, BATCH, FASTEST, SMOOTHED = 5, 256, 5e-4, 0.01
-_WARMING = 40
 
 
 class Pool(NamedTuple):
@@ -108,16 +108,12 @@ class Maker:
         return Looks(self._sounds, Outputs(sorted(languages())), seed, SHARES)
 
 
-def learnt(pool: Pool, start: StopWeights) -> Network:
+def learnt(pool: Pool, start: StopWeights, folder: Path) -> Network:
     """The network that goes on from `start`."""
     network, many = Network(INNER, len(start.words)), len(pool.wanted)
     load(network, [start])
     steps = EPOCHS * (many // BATCH)
-    optimiser = torch.optim.AdamW(network.parameters(), FASTEST, (0.9, 0.98), weight_decay=0.01)
-    rate = torch.optim.lr_scheduler.LambdaLR(
-        optimiser,
-        lambda step: min(1, (step + 1) / _WARMING) * 0.5 * (1 + np.cos(np.pi * step / steps)),
-    )
+    course = Course(network, {network: FASTEST}, folder / "with_people.pt", steps)
     network.train()
     for epoch in range(EPOCHS):
         order, total = torch.randperm(many), 0.0
@@ -125,11 +121,7 @@ def learnt(pool: Pool, start: StopWeights) -> Network:
             some = order[at : at + BATCH]
             scores = network(pool.encoded[some].float())
             loss = cross_entropy(scores, pool.wanted[some], label_smoothing=SMOOTHED)
-            optimiser.zero_grad()
-            loss.backward()
-            torch.nn.utils.clip_grad_norm_(network.parameters(), 1.0)
-            optimiser.step()
-            rate.step()
+            course.step(loss)
             total += loss.item()
         told(f"epoch {epoch + 1} of {EPOCHS}, loss {total / (many // BATCH):.4f}")
     return network
@@ -155,8 +147,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     torch.manual_seed(SEED)
     maker = Maker()
     pool = maker.pool(asked.looks, 1)
-    first = write(learnt(pool, read_weights()), asked.folder)
-    write(learnt(pool.with_more(maker.pool(asked.more, 3, first)), first), asked.folder)
+    first = write(learnt(pool, read_weights(), asked.folder), asked.folder)
+    more = pool.with_more(maker.pool(asked.more, 3, first))
+    write(learnt(more, first, asked.folder), asked.folder)
     return 0
 
 

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from training.acoustics import Half, people
+from training.acoustics.mixing import voiced_part
 from training.spotter.examples import Examples, Sound
 from training.spotter.languages import sounds_of_people
 
@@ -59,7 +60,7 @@ def test_a_word_is_cut_out_of_the_silence_around_it():
     sound = np.zeros(16_000, np.int16)
     sound[4_800:8_000] = 3_000
 
-    assert people.spoken(sound).size == 3_200
+    assert voiced_part(sound).size == 3_200
 
 
 def test_only_those_who_train_are_learnt_from(tmp_path, monkeypatch):
