@@ -200,8 +200,26 @@ def parroted(segment: Segment, prompt: str) -> bool:
     """
     if segment.log_probability >= MAYBE_GUESSED:
         return False
-    shown = {plain_words(one) for one in _SENTENCE_ENDS.split(prompt)}
-    return all(plain_words(one) in shown for one in _SENTENCE_ENDS.split(segment.text.strip()))
+    return _sentences(segment.text) <= _sentences(prompt)
+
+
+def one_word_parroted(said: str, prompt: str, alone: Sequence[Segment]) -> bool:
+    """Return whether this is a one-word sentence of the prompt that is not heard without it.
+
+    `alone` holds the hypotheses without the prompt. In a short word such as "on" Whisper hears the
+    "Halt!" that it was shown.
+    """
+    words = _sentences(said)
+    return (
+        words <= _sentences(prompt)
+        and not any(" " in one for one in words)
+        and not any(words & set(plain_words(one.text).split()) for one in alone)
+    )
+
+
+def _sentences(text: str) -> set[str]:
+    """Each sentence of a text as `plain_words`."""
+    return {plain_words(one) for one in _SENTENCE_ENDS.split(text.strip())}
 
 
 def transcript_of(

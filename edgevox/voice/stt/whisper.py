@@ -33,6 +33,7 @@ from edgevox.voice.stt.speech_to_text import (
     heard_for,
     is_doubtful,
     is_sure,
+    one_word_parroted,
     transcript_of,
 )
 
@@ -202,7 +203,10 @@ class _EncodedSound:
         said = transcript_of(found, seconds, prompt)
         if not (prompt and is_doubtful(said, self._language)):
             return said
-        return transcript_of(found, seconds, prompt, heard_again(self.hypotheses()))
+        alone = self.hypotheses()
+        if one_word_parroted(said.text, prompt, alone):
+            return transcript_of(alone, seconds, "")
+        return transcript_of(found, seconds, prompt, heard_again(alone))
 
     def stops(self, shown: Sequence[str], seconds: float) -> tuple[Hypothesis, ...]:
         """What is heard where these stop words are shown."""

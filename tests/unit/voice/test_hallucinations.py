@@ -7,6 +7,7 @@ import pytest
 from edgevox.voice.stt.speech_to_text import (
     Segment,
     Transcript,
+    one_word_parroted,
     parroted,
     plausible,
     transcript_of,
@@ -111,3 +112,20 @@ def test_what_hearing_was_shown_counts_only_if_it_is_likely(written, log_probabi
     prompt = "Go to the kitchen. Turn left."
 
     assert parroted(segment(written, log_probability), prompt) is is_parroted
+
+
+@pytest.mark.parametrize(
+    ("said", "without", "is_parroted"),
+    [
+        ("Halt!", ["On.", "Hon."], True),
+        ("Stop! Halt!", ["Up.", "Hop."], True),
+        ("Halt!", ["Hall.", "Halt."], False),
+        ("Halt!", ["Yeah, halt.", "Hey, halt."], False),
+        ("Go!", ["On."], False),
+        ("Turn left.", ["Turn the lap."], False),
+    ],
+)
+def test_a_stop_word_that_hearing_was_shown_is_heard_without_it_too(said, without, is_parroted):
+    alone = [segment(text, -0.3) for text in without]
+
+    assert one_word_parroted(said, "Turn left. Stop! Halt!", alone) is is_parroted
