@@ -370,3 +370,15 @@ def test_words_of_turns_and_drives_are_no_step_to_the_side(language, says):
     cannot = phrasebook(language).acts["sideways"].cannot
 
     assert cannot not in understood("apartment", says, language)[2]
+
+
+def test_words_for_another_way_are_no_step_back():
+    calls, sure, _ = understood("humanoid", "turn left two steps")
+    assert not sure
+    assert Call(BACK, {"distance": 0.8}) not in calls
+
+
+@pytest.mark.parametrize("says", ["Now reverse half of that.", "reverse half of that"])
+def test_a_part_of_what_was_done_before_is_no_turn_around(says):
+    calls, sure, _ = understood("apartment", says)
+    assert not (calls and sure)

@@ -129,6 +129,8 @@ def test_a_model_is_asked_about_the_world_only_in_general(
         ("who has made you?", "robot"),
         ("do you like football?", "feelings"),
         ("tell me a funny joke", "creative"),
+        ("does it bother you to be alone all night?", "feelings"),
+        ("could I put a question to you?", "here"),
         ("Wie geht es dir heute?", "how_are_you"),
         ("Raconte-moi une histoire drôle", "creative"),
         ("¿Quién te ha hecho?", "robot"),

@@ -40,6 +40,9 @@ def test_it_finds_back_to_a_place_that_it_was_told_the_name_of(talk, robot) -> N
         assert one.say("remember this place as the charger") == (
             phrases.done("remember_place", name="charger")
         )
+        assert one.say("store the current position as the bay") == (
+            phrases.done("remember_place", name="bay")
+        )
         one.say("go to the living room")
         assert away_m(one, *CHARGER) > 2.0
 

@@ -197,6 +197,8 @@ def train_small_talk(encoder: Encoder) -> dict[str, object]:
     others = [*questions["general"], *questions["state"]]
     others += [one.says for one in tuning() if not one.category.startswith(TALKS)]
     others += [*(says for says, _ in more_sentences()), *kinds.pop(NO_TALK)]
+    for folder, first in ((ASKED, "talk"), (TOLD, NO_TALK)):
+        others += [says for says, kind in by_kind(folder) if kind != first]
     rows = [(says, kind) for kind, several in kinds.items() for says in several]
     rows += [(says, "") for says in others]
     return told_apart(encoder, rows, ["", *kinds], "talk", TALK_WEIGHT)
@@ -209,15 +211,19 @@ def train_kinds(
 
     Its file `LANGUAGE.yaml` has sentences by kind. The kind `first` comes first and has `more`.
     """
-    rows = [
+    rows = [*by_kind(folder), *((says, first) for says in more)]
+    kinds = list(dict.fromkeys([first, *(kind for _, kind in rows)]))
+    return told_apart(encoder, rows, kinds, folder.name)
+
+
+def by_kind(folder: Path) -> list[tuple[str, str]]:
+    """Each sentence of the files of a folder, with its kind."""
+    return [
         (says, kind)
         for file in sorted(folder.glob("*.yaml"))
         for kind, several in yaml.safe_load(file.read_text(encoding="utf-8")).items()
         for says in several
     ]
-    rows += [(says, first) for says in more]
-    kinds = list(dict.fromkeys([first, *(kind for _, kind in rows)]))
-    return told_apart(encoder, rows, kinds, folder.name)
 
 
 def told_apart(

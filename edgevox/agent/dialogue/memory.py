@@ -6,7 +6,7 @@
 
 import threading
 from collections import deque
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -184,6 +184,7 @@ class Dialogue:
         self._lock = threading.Lock()
         self._exchanges: deque[DialogueExchange] = deque(maxlen=MOST_EXCHANGES)
         self._motions: deque[MotionRecord] = deque(maxlen=MOST_EXCHANGES)
+        self._named: deque[tuple[float, Any]] = deque(maxlen=MOST_EXCHANGES)
         bus.subscribe(Transcribed, self._on_words)
         bus.subscribe(ToolCalled, self._on_call)
         bus.subscribe(GoalChanged | GoalCancelled, self._on_goal)
@@ -227,6 +228,12 @@ class Dialogue:
     def exchange(self, turn: int) -> DialogueExchange | None:
         """The exchange of this turn, or None."""
         return self._last(lambda one: turn > 0 and one.turn == turn)
+
+    def named(self) -> Sequence[Any]:
+        """The values of the last calls, those of questions as well; the last one first."""
+        begun_s = self._clock.now() - REPEATABLE_S
+        with self._lock:
+            return [value for said_s, value in reversed(self._named) if said_s >= begun_s]
 
     def running(self) -> MotionRecord | None:
         """The motion that runs now, or None."""
@@ -287,9 +294,12 @@ class Dialogue:
             self._of(event.turn, event.text)
 
     def _on_call(self, event: ToolCalled) -> None:
-        if not event.turn or event.skill in self._dialogue_skills or event.source == PROGRAM:
+        if not event.turn or event.source == PROGRAM:
             return
         with self._lock:
+            self._named += [(self._clock.now(), value) for value in event.arguments.values()]
+            if event.skill in self._dialogue_skills:
+                return
             one = self._of(event.turn)
             one.source = one.source or event.source
             one.calls.append(Call(event.skill, event.arguments))
@@ -344,6 +354,7 @@ class Dialogue:
         if event.cause is Cause.RESET:
             with self._lock:
                 self._exchanges.clear()
+                self._named.clear()
                 live = [one for one in self._motions if one.status not in GOAL_ENDS]
                 self._motions = deque(live, MOST_EXCHANGES)
         elif event.cause not in _HUSHED:

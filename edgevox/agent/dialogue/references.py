@@ -1,8 +1,9 @@
-"""References: "again", "go back", "further", "carry on" and "the other one" turn into calls.
+"""References: "again", "go back", "go there", "further", "carry on", "the other one" become calls.
 
 The calls follow from the last actions. A reference to something that was stopped, is too long ago
 or could mean two things is not carried out; the person is told what to say instead. Only "carry on"
-means what was stopped; it is always asked about.
+means what was stopped. It is always asked about, and so is "go there": it means the place that was
+named last, in a question or in an order.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -11,7 +12,7 @@ from typing import Any
 from edgevox.agent.dialogue.memory import Dialogue, DialogueExchange
 from edgevox.agent.nlu.meaning import After, Do, Program, When, kernel, parts_of
 from edgevox.agent.skills import Call, OneOf, Skill, SkillFailed
-from edgevox.agent.skills.skill import TO_POINT, no_further, no_way_back, opposite_of
+from edgevox.agent.skills.skill import TO_PLACE, TO_POINT, no_further, no_way_back, opposite_of
 from edgevox.agent.text.reasons import because
 
 _CENTIMETRES = 2
@@ -79,6 +80,16 @@ class References:
             raise SkillFailed(because("no_way_back"))
         x, y = round(start.x_m, _CENTIMETRES), round(start.y_m, _CENTIMETRES)
         return (Call(TO_POINT, {"x": x, "y": y}),)
+
+    def there(self) -> Sequence[Call]:
+        """A drive to the place that words named last."""
+        if TO_PLACE not in self._skills:
+            raise SkillFailed(no_way_back(self._skills.values()))
+        for value in self._dialogue.named():
+            for name, choices in self._skills[TO_PLACE].choices.items():
+                if value in choices.words:
+                    return (Call(TO_PLACE, {name: value}),)
+        raise SkillFailed(because("nothing_before"))
 
     def may_reverse(self) -> bool:
         """True if "go back" may ask for the reverse of the last motion: it went by an amount."""

@@ -19,6 +19,7 @@ from edgevox.agent.nlu.meaning import (
     REFERENCES,
     RESUME,
     THE_OTHER,
+    THERE,
     Again,
     Do,
     Meaning,
@@ -124,6 +125,8 @@ CAN = "what_can_you_do"
 DOING = "what_are_you_doing"
 QUESTIONS = (DOING, "why_did_you", "what_did_you_hear", CAN)
 ALSO = "this_one_too"
+_ASKED_ABOUT = {RESUME, THERE, THE_OTHER}
+"""References that may be asked about, so that none is for later."""
 DIALOGUE_SKILLS = (*QUESTIONS, *REFERENCES, ALSO)
 """Names of all dialogue skills."""
 
@@ -192,8 +195,9 @@ class DialogueSkills:
         if any(call.skill == CAN for call in calls):
             turn.write(self._answers.can()[1])
         said = {call.skill for call in meaning.calls}
-        unsure = BACK in said and self._references.may_reverse()
-        if unsure or RESUME in said or (THE_OTHER in said and self._references.other_is_unsure()):
+        other = THE_OTHER in said and self._references.other_is_unsure()
+        reverse = BACK in said and self._references.may_reverse()
+        if other or reverse or not said.isdisjoint((RESUME, THERE)):
             meaning = replace(meaning, confidence=min(meaning.confidence, ASK_FROM))
         return replace(meaning, agent=self._owner(meaning.agent, calls), calls=calls)
 
@@ -215,7 +219,7 @@ class DialogueSkills:
     def _meant_in_program(self, leaf: Do | Again) -> Program:
         if isinstance(leaf, Again):
             return self._references.last_motion()
-        if {RESUME, THE_OTHER}.intersection(call.skill for call in leaf.calls):
+        if _ASKED_ABOUT.intersection(call.skill for call in leaf.calls):
             raise SkillFailed(because("nothing_before"))  # asked about, so not for later
         return Do(tuple(one for call in leaf.calls for one in self._resolved(call)))
 
@@ -239,6 +243,8 @@ class DialogueSkills:
                 return self._references.back()
             case "further":
                 return self._references.further()
+            case name if name == THERE:
+                return self._references.there()
             case name if name == RESUME:
                 return self._references.resume()
             case name if name == THE_OTHER:

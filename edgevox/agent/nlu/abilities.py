@@ -119,12 +119,16 @@ def _planning(code: str) -> str:
 
 
 def _acts_behind(clause: str, book: Phrasebook) -> list[tuple[str, str]]:
-    """The acts that an order names behind other words: "I am thirsty, Anna, fetch me a drink"."""
-    words = clause.split()
+    """The acts that an order names behind other words: "I am thirsty, Anna, fetch me a drink".
+
+    A speaker who opens with a word for themself tells what they do: "I clean here now".
+    """
+    words, me = clause.split(), {plain(one) for one in words_of(book.code).me}
     if not book.hearing.spaced or re.search(_denials(book.code), clause):
         return []
     for at, before in enumerate(words[:-1], 1):
-        found = [] if before in book.hearing.articles else _acts(" ".join(words[at:]), book.code)
+        tells = before in book.hearing.articles or (at == 1 and before in me)
+        found = [] if tells else _acts(" ".join(words[at:]), book.code)
         if found:
             return found
     return []
@@ -196,12 +200,14 @@ def _pattern(wording: str, *, spaced: bool) -> re.Pattern[str]:
 def _courtesies(code: str) -> str:
     """A pattern of the small words that a clause may begin and end with.
 
-    Articles are none of them: "my watch" is a thing, and asks nobody to watch.
+    Articles are none of them: "my watch" is a thing, and asks nobody to watch. Nor is a word for
+    the speaker: "I clean here now" asks nobody to clean.
     """
     words, answers = words_of(code), phrasebook(code).answers
     small = {*words.fillers, *words.asking, *words.abilities, *words.wishes, *answers.polite}
-    small -= {*phrasebook(code).hearing.articles}
-    ordered = sorted({plain(one).strip() for one in small}, key=len, reverse=True)
+    no_courtesies = {plain(one) for one in (*phrasebook(code).hearing.articles, *words.me)}
+    plainly = {plain(one).strip() for one in small} - no_courtesies
+    ordered = sorted(plainly, key=len, reverse=True)
     return _whole(ordered, spaced=phrasebook(code).hearing.spaced)
 
 

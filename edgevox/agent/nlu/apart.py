@@ -193,7 +193,7 @@ class ClauseReader:
             elif clause := self._read(one):
                 found.append(clause)
                 before = one
-            elif not self._is_remark(one, opens=not found):
+            elif not self._is_remark(one, opens=not found, least=0.0):
                 return None
         calls = tuple(call for one in found for call in one.calls)
         if not calls or (len(found) > 1 and any(one.guessed for one in found)):
@@ -238,15 +238,15 @@ class ClauseReader:
         plain = self._plain(f"{before} {clause}") if adds else None
         return plain if plain and plain.calls else None
 
-    def _is_remark(self, clause: str, *, opens: bool) -> bool:
+    def _is_remark(self, clause: str, *, opens: bool, least: float = LIKELY_TALK) -> bool:
         """True if it asks for nothing and changes nothing of what is asked beside it.
 
-        It `opens` the text if nothing was asked before it.
+        It `opens` the text if nothing was asked before it. `least` is the least likelihood of talk.
         """
         if self._readings.is_bound(clause) or self._decider.puts_off(clause):
             return False
         kind, likely = self._decider.asked(clause)
-        talks = kind == TALK and likely >= LIKELY_TALK
+        talks = kind == TALK and likely >= least
         small = self._readings.is_reason(clause) or self._readings.is_urge(clause)
         if kind in GUESSES and likely >= LIKELY_MORE and not small:
             return False

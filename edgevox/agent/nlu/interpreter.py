@@ -436,11 +436,13 @@ class Interpreter:
         )
 
     def _names_no_act(self, clause: str, opens: bool) -> bool:
-        """True if a clause most likely asks for a motion that the robot can do.
+        """True if a clause is a command, or most likely asks for a motion that the robot can do.
 
         One by an amount, or one that needs none: "open the hand". Also for a remark in which the
         words of an act stand behind others (not `opens`): "that's when I take my tablets".
         """
+        if isinstance(self._plainly(clause), Meaning):  # "take my picture"
+            return True
         if self._decider is None:
             return False
         kind, likely = self._decider.asked(clause)

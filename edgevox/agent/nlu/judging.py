@@ -38,6 +38,9 @@ _SEVERAL = 2
 _NAMES = 0.25
 """Least weight of the words for a motion by an amount; small words of its templates have less."""
 
+_NAMES_ANOTHER = 2.0
+"""Weight of a word that only one motion by an amount has: "left"."""
+
 _LEAST_MARGIN = 0.25
 """Least lead in weight over another skill; with less, the words choose neither skill."""
 
@@ -135,7 +138,8 @@ class Readings:
             against = any(facts[one] for one in (*_OBJECTIONS, "conditions"))
             left = self._is_left(reading, lexicon, plain, likely=True)
             guessed = reading.strange and not reading.calls[0].arguments
-            if against or left or guessed or self._denies(plain):
+            another = _names_another_motion(reading, lexicon)
+            if against or left or guessed or another or self._denies(plain):
                 return None
             return reading.calls[0]
         return None
@@ -429,6 +433,17 @@ class Readings:
 
 def _tokens(text: str, lexicon: Lexicon) -> Words:
     return lexicon.tokenize(digits(" ".join(text.split()), lexicon.book.code))
+
+
+def _names_another_motion(reading: Reading, lexicon: Lexicon) -> bool:
+    """True if a word names another motion by an amount: "turn left two steps" is no step back."""
+    own = lexicon.words[reading.calls[0].skill].weights
+    others = [known for name, known in lexicon.words.items() if lexicon.skills[name].relative]
+    return any(
+        one not in own and known.weights.get(one, 0.0) >= _NAMES_ANOTHER
+        for one in reading.tokens
+        for known in others
+    )
 
 
 def _is_about_another_thing(reading: Reading, lexicon: Lexicon) -> bool:

@@ -168,9 +168,9 @@ ASK_FROM, SURE_FROM = 0.5, 0.8
 
 BACK = "go_back"
 """Name of the dialogue skill that leads back to where the last motion began."""
-THE_OTHER, RESUME = "the_other", "resume"
-REFERENCES = ("again", BACK, "further", RESUME, THE_OTHER)
-"""Names of the dialogue skills that refer to a motion before."""
+THE_OTHER, RESUME, THERE = "the_other", "resume", "go_there"
+REFERENCES = ("again", BACK, THERE, "further", RESUME, THE_OTHER)
+"""Names of the dialogue skills that refer to what was done or spoken of before."""
 
 HEARD_FROM = 0.8
 """Product of the confidences of hearing and of meaning below which the robot asks before a motion.

@@ -228,15 +228,20 @@ _SLOT = re.compile(r"\{\w+\}")
 def asks(text: str, code: str) -> bool:
     """True if the text has a question mark or begins with a question word, and asks for no act.
 
-    "Honey, can you get me some water?" asks for one: small words may stand before that.
+    "Honey, can you get me some water?" asks for one: small words may stand before that, and so may
+    a sentence that asks nothing: "Clever. Would you ...".
     """
-    words, said = words_of(code), f"{plain(text)} "
+    words = words_of(code)
+    before, _, last = text.rpartition(". ")
+    if before and last and not asks(before, code):
+        text = last
+    said = f"{plain(text)} "
     wishes = (*words.asking, *words.abilities, *words.wishes)
     addressed = f"{plain(_without_address(text, code))} "
     if any(one.startswith(f"{plain(wish)} ") for wish in wishes for one in (said, addressed)):
         return False
-    asks = any(mark in text for mark in QUESTION_MARKS)
-    return asks or any(said.startswith(f"{plain(one)} ") for one in words.questions)
+    marked = any(mark in text for mark in QUESTION_MARKS)
+    return marked or any(said.startswith(f"{plain(one)} ") for one in words.questions)
 
 
 def _without_address(text: str, code: str) -> str:

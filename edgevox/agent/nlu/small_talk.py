@@ -28,17 +28,19 @@ def small_talk_in(text: str, code: str, decider: Decider, least: float = CHATS) 
     """The kind of small talk that a text is: see `say.talk_*` of a language; empty for none.
 
     `least` is the least likelihood of the whole text. Of several clauses, all of which are talk,
-    the likeliest counts, else the last one that plainly is; none if one asks for something else.
+    the likeliest counts, else the last one that plainly is; none if one asks for something else,
+    unless the whole text surely is small talk.
     """
     text = _STRETCHED.sub(r"\1", text)
     clauses = clauses_of(text, code)
     kinds = [decider.small_talk(one) for one in clauses]
-    if len(clauses) > 1 and any(
-        likely < CHATS and asks(one, code)
-        for one, (_, likely) in zip(_with_marks(clauses, text), kinds, strict=True)
+    kind, likely = decider.small_talk(text)
+    parted = len(clauses) > 1 and likely < CHATS_SURELY
+    if parted and any(
+        less < CHATS and asks(one, code)
+        for one, (_, less) in zip(_with_marks(clauses, text), kinds, strict=True)
     ):
         return ""
-    kind, likely = decider.small_talk(text)
     if likely >= least:
         return kind
     if least > CHATS:

@@ -427,7 +427,7 @@ def opposite_of(call: Call, skills: Mapping[str, Skill]) -> Call | None:
 
 TO_POINT = "navigate_xy"
 """The skill that drives to where a body was."""
-_TO_PLACE = "navigate_to"
+TO_PLACE = "navigate_to"
 
 
 def no_way_back(skills: Iterable[Skill]) -> Reason:
@@ -441,7 +441,7 @@ def no_further(skills: Iterable[Skill]) -> Reason:
 
 
 def _goes(skills: Iterable[Skill]) -> bool:
-    return any(one.relative or one.name in (TO_POINT, _TO_PLACE) for one in skills)
+    return any(one.relative or one.name in (TO_POINT, TO_PLACE) for one in skills)
 
 
 __all__ = [
