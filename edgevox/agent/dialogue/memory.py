@@ -6,15 +6,17 @@
 
 import threading
 from collections import deque
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
 from edgevox.agent.agents import Agent
-from edgevox.agent.nlu.meaning import Program
+from edgevox.agent.nlu.meaning import Program, calls_of
 from edgevox.agent.skills import STOP, Call, Skill, SkillFailed
 from edgevox.core.agent_events import (
     GOAL_ENDS,
+    Confirmation,
+    ConfirmationStatus,
     GoalCancelled,
     GoalChanged,
     GoalStatus,
@@ -164,8 +166,8 @@ MOST_TOLD = 200
 class Dialogue:
     """Remembers what the bus reports. Any thread may ask; the memory is bounded.
 
-    `skills` are all skills of the robot, and `pose` returns the body's pose. Calls of
-    `dialogue_skills` are not remembered, because they only ask about other calls.
+    `skills` are all skills of the robot, and `pose` returns the body's pose. Of calls of
+    `dialogue_skills` only what they name is remembered, because they only ask about other calls.
     """
 
     def __init__(
@@ -184,9 +186,10 @@ class Dialogue:
         self._lock = threading.Lock()
         self._exchanges: deque[DialogueExchange] = deque(maxlen=MOST_EXCHANGES)
         self._motions: deque[MotionRecord] = deque(maxlen=MOST_EXCHANGES)
-        self._named: deque[tuple[float, Any]] = deque(maxlen=MOST_EXCHANGES)
+        self._named: deque[tuple[float, Call]] = deque(maxlen=MOST_EXCHANGES)
         bus.subscribe(Transcribed, self._on_words)
         bus.subscribe(ToolCalled, self._on_call)
+        bus.subscribe(Confirmation, self._on_question)
         bus.subscribe(GoalChanged | GoalCancelled, self._on_goal)
         bus.subscribe(SafetyPreempted, lambda _: self._on_stop())
         bus.subscribe(Interrupted, self._on_interrupt)
@@ -210,6 +213,7 @@ class Dialogue:
         """Record the program that this turn asked for."""
         with self._lock:
             self._of(turn).program = program
+            self._name(calls_of(program))
 
     def heard(self) -> DialogueExchange | None:
         """The last exchange with words, without questions about the conversation."""
@@ -229,11 +233,14 @@ class Dialogue:
         """The exchange of this turn, or None."""
         return self._last(lambda one: turn > 0 and one.turn == turn)
 
-    def named(self) -> Sequence[Any]:
-        """The values of the last calls, those of questions as well; the last one first."""
+    def named(self) -> Sequence[Call]:
+        """The last calls that words named, whether they were made or only asked about or kept.
+
+        Those of questions to the robot as well; the last one first.
+        """
         begun_s = self._clock.now() - REPEATABLE_S
         with self._lock:
-            return [value for said_s, value in reversed(self._named) if said_s >= begun_s]
+            return [call for said_s, call in reversed(self._named) if said_s >= begun_s]
 
     def running(self) -> MotionRecord | None:
         """The motion that runs now, or None."""
@@ -297,13 +304,23 @@ class Dialogue:
         if not event.turn or event.source == PROGRAM:
             return
         with self._lock:
-            self._named += [(self._clock.now(), value) for value in event.arguments.values()]
+            call = Call(event.skill, event.arguments)
+            if any(one.turn == event.turn and one.words for one in self._exchanges):
+                self._name([call])
             if event.skill in self._dialogue_skills:
                 return
             one = self._of(event.turn)
             one.source = one.source or event.source
-            one.calls.append(Call(event.skill, event.arguments))
+            one.calls.append(call)
             one.stopped = one.stopped or event.skill == STOP
+
+    def _on_question(self, event: Confirmation) -> None:
+        if event.status is ConfirmationStatus.ASKED:
+            with self._lock:
+                self._name([Call(one.skill, one.arguments) for one in event.calls])
+
+    def _name(self, calls: Iterable[Call]) -> None:
+        self._named += [(self._clock.now(), call) for call in calls if call.arguments]
 
     def _on_goal(self, event: GoalChanged | GoalCancelled) -> None:
         begins = event.status is GoalStatus.RUNNING and getattr(event, "feedback", None) is None

@@ -10,6 +10,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from edgevox.agent.dialogue.memory import Dialogue, DialogueExchange
+from edgevox.agent.nlu.hearing.wordings import bare_name
 from edgevox.agent.nlu.meaning import After, Do, Program, When, kernel, parts_of
 from edgevox.agent.skills import Call, OneOf, Skill, SkillFailed
 from edgevox.agent.skills.skill import TO_PLACE, TO_POINT, no_further, no_way_back, opposite_of
@@ -81,14 +82,17 @@ class References:
         x, y = round(start.x_m, _CENTIMETRES), round(start.y_m, _CENTIMETRES)
         return (Call(TO_POINT, {"x": x, "y": y}),)
 
-    def there(self) -> Sequence[Call]:
-        """A drive to the place that words named last."""
-        if TO_PLACE not in self._skills:
+    def there(self, before: Sequence[Call] = ()) -> Sequence[Call]:
+        """A drive to the place that words named last, in the calls `before` or earlier."""
+        drive = self._skills.get(TO_PLACE)
+        if drive is None and TO_POINT not in self._skills:
             raise SkillFailed(no_way_back(self._skills.values()))
-        for value in self._dialogue.named():
-            for name, choices in self._skills[TO_PLACE].choices.items():
-                if value in choices.words:
-                    return (Call(TO_PLACE, {name: value}),)
+        place = bare_name(drive) if drive else None
+        places = drive.choices[place].words if drive and place else ()
+        for call in (*reversed(before), *self._dialogue.named()):
+            for value in call.arguments.values():
+                if place and value in places:
+                    return (Call(TO_PLACE, {place: value}),)
         raise SkillFailed(because("nothing_before"))
 
     def may_reverse(self) -> bool:

@@ -182,7 +182,7 @@ class DialogueSkills:
         about_dialogue = all(call.skill in DIALOGUE_SKILLS for call in meaning.calls)
         refers = any(call.skill in REFERENCES or call.skill == ALSO for call in meaning.calls)
         try:
-            calls = tuple(one for call in meaning.calls for one in self._resolved(call))
+            calls = self._all_resolved(meaning.calls)
         except SkillFailed as error:
             self._refuse(error, turn)
             calls = ()
@@ -194,7 +194,7 @@ class DialogueSkills:
             return None
         if any(call.skill == CAN for call in calls):
             turn.write(self._answers.can()[1])
-        said = {call.skill for call in meaning.calls}
+        said = {call.skill for call in meaning.calls} - self._skills.keys()
         other = THE_OTHER in said and self._references.other_is_unsure()
         reverse = BACK in said and self._references.may_reverse()
         if other or reverse or not said.isdisjoint((RESUME, THERE)):
@@ -221,7 +221,7 @@ class DialogueSkills:
             return self._references.last_motion()
         if _ASKED_ABOUT.intersection(call.skill for call in leaf.calls):
             raise SkillFailed(because("nothing_before"))  # asked about, so not for later
-        return Do(tuple(one for call in leaf.calls for one in self._resolved(call)))
+        return Do(self._all_resolved(leaf.calls))
 
     def _refuse(self, error: SkillFailed, turn: Turn) -> None:
         phrases, why = self._phrases(), error.reason
@@ -235,7 +235,13 @@ class DialogueSkills:
         """Record that this turn said yes to the words of the turn `asked`."""
         self._dialogue.confirmed(turn, asked)
 
-    def _resolved(self, call: Call) -> Sequence[Call]:
+    def _all_resolved(self, calls: Sequence[Call]) -> tuple[Call, ...]:
+        parts = (self._resolved(call, calls[:at]) for at, call in enumerate(calls))
+        return tuple(one for part in parts for one in part)
+
+    def _resolved(self, call: Call, before: Sequence[Call]) -> Sequence[Call]:
+        if call.skill in self._skills:  # a robot's own
+            return (call,)
         match call.skill:
             case "again":
                 return self._references.again()
@@ -244,7 +250,7 @@ class DialogueSkills:
             case "further":
                 return self._references.further()
             case name if name == THERE:
-                return self._references.there()
+                return self._references.there(before)
             case name if name == RESUME:
                 return self._references.resume()
             case name if name == THE_OTHER:

@@ -123,11 +123,11 @@ def _acts_behind(clause: str, book: Phrasebook) -> list[tuple[str, str]]:
 
     A speaker who opens with a word for themself tells what they do: "I clean here now".
     """
-    words, me = clause.split(), {plain(one) for one in words_of(book.code).me}
+    words, subject = clause.split(), _subject(book.code)
     if not book.hearing.spaced or re.search(_denials(book.code), clause):
         return []
     for at, before in enumerate(words[:-1], 1):
-        tells = before in book.hearing.articles or (at == 1 and before in me)
+        tells = before in book.hearing.articles or (at == 1 and before == subject)
         found = [] if tells else _acts(" ".join(words[at:]), book.code)
         if found:
             return found
@@ -205,10 +205,15 @@ def _courtesies(code: str) -> str:
     """
     words, answers = words_of(code), phrasebook(code).answers
     small = {*words.fillers, *words.asking, *words.abilities, *words.wishes, *answers.polite}
-    no_courtesies = {plain(one) for one in (*phrasebook(code).hearing.articles, *words.me)}
+    no_courtesies = {*map(plain, phrasebook(code).hearing.articles), _subject(code)}
     plainly = {plain(one).strip() for one in small} - no_courtesies
     ordered = sorted(plainly, key=len, reverse=True)
     return _whole(ordered, spaced=phrasebook(code).hearing.spaced)
+
+
+def _subject(code: str) -> str:
+    """The word for the speaker as the one who does something: "I", not "me"."""
+    return plain(words_of(code).me[0])
 
 
 def _whole(phrases: Sequence[str], *, spaced: bool) -> str:

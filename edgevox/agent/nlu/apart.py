@@ -253,7 +253,9 @@ class ClauseReader:
         return (
             (talks or small or self._readings.is_filler(clause))
             and not self._cannot(clause)
-            and self._readings.is_aside(clause, may_deny=talks, opens=opens)
+            and self._readings.is_aside(
+                clause, may_deny=talks and likely >= LIKELY_TALK, opens=opens
+            )
         )
 
     def _orders_more(self, clause: str, calls: Sequence[Call]) -> bool:

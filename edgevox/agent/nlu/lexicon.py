@@ -75,7 +75,8 @@ class FunctionWords:
     talking: tuple[str, ...] = ()
     """Words for what a robot can do by talking alone: "can you explain ..."."""
     me: tuple[str, ...] = ()
-    """Words for the speaker, and, where these are left out, common verbs that tell of them."""
+    """Words for the speaker, the subject first, and, where these are left out, common verbs that
+    tell of them."""
     you: tuple[str, ...] = ()
     """Words for the hearer."""
     amounts: tuple[str, ...] = ()

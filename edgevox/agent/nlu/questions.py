@@ -221,6 +221,7 @@ def _call(one: Skill, names: Sequence[Name]) -> Call | None:
 
 
 _MARKS = re.compile(r"[,;.!:]")
+_SENTENCES = re.compile(r"(?<=[.!\u2026])\s+(?=\S)|(?<=[\u3002\uff01\u0964])(?=.)")
 _GROUP = re.compile(r"\(([^()]*)\)|([^\s()]+)")
 _SLOT = re.compile(r"\{\w+\}")
 
@@ -229,13 +230,14 @@ def asks(text: str, code: str) -> bool:
     """True if the text has a question mark or begins with a question word, and asks for no act.
 
     "Honey, can you get me some water?" asks for one: small words may stand before that, and so may
-    a sentence that asks nothing: "Clever. Would you ...".
+    sentences that ask nothing: "Clever. Would you ...".
     """
-    words = words_of(code)
-    before, _, last = text.rpartition(". ")
-    if before and last and not asks(before, code):
-        text = last
-    said = f"{plain(text)} "
+    *before, last = _SENTENCES.split(text.strip())
+    return _asks(text if any(_asks(one, code) for one in before) else last, code)
+
+
+def _asks(text: str, code: str) -> bool:
+    words, said = words_of(code), f"{plain(text)} "
     wishes = (*words.asking, *words.abilities, *words.wishes)
     addressed = f"{plain(_without_address(text, code))} "
     if any(one.startswith(f"{plain(wish)} ") for wish in wishes for one in (said, addressed)):

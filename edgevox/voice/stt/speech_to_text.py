@@ -6,7 +6,7 @@ were said, or made of noise.
 
 import math
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Protocol
 
@@ -203,17 +203,15 @@ def parroted(segment: Segment, prompt: str) -> bool:
     return _sentences(segment.text) <= _sentences(prompt)
 
 
-def one_word_parroted(said: str, prompt: str, alone: Sequence[Segment]) -> bool:
-    """Return whether this is a one-word sentence of the prompt that is not heard without it.
+def stop_word_parroted(said: str, stop_words: Collection[str], alone: Sequence[Segment]) -> bool:
+    """Return whether these are only stop words of the prompt that are not heard without it.
 
     `alone` holds the hypotheses without the prompt. In a short word such as "on" Whisper hears the
     "Halt!" that it was shown.
     """
     words = _sentences(said)
-    return (
-        words <= _sentences(prompt)
-        and not any(" " in one for one in words)
-        and not any(words & set(plain_words(one.text).split()) for one in alone)
+    return words <= {*stop_words} and not any(
+        words & {*plain_words(one.text).split()} for one in alone
     )
 
 
@@ -336,6 +334,14 @@ def heard_for(hypotheses: Sequence[Segment], seconds: float) -> tuple[Hypothesis
     shares = zip(hypotheses, _shares(hypotheses), strict=True)
     said = ((one, share) for one, share in shares if plausible(one, seconds))
     return tuple(Hypothesis(words_of(one.text), share, one.likelihood) for one, share in said)
+
+
+def only_alone(one: Segment) -> float:
+    """Rate a hypothesis without the prompt that the one with it does not confirm, 0 to 1.
+
+    Never so sure that a motion needs no yes.
+    """
+    return min(one.likelihood, LISTEN_AGAIN_BELOW) * DOUBT
 
 
 def heard_again(alone: Sequence[Segment]) -> Callable[[Segment], float]:

@@ -33,7 +33,8 @@ from edgevox.voice.stt.speech_to_text import (
     heard_for,
     is_doubtful,
     is_sure,
-    one_word_parroted,
+    only_alone,
+    stop_word_parroted,
     transcript_of,
 )
 
@@ -204,8 +205,10 @@ class _EncodedSound:
         if not (prompt and is_doubtful(said, self._language)):
             return said
         alone = self.hypotheses()
-        if one_word_parroted(said.text, prompt, alone):
-            return transcript_of(alone, seconds, "")
+        if stop_word_parroted(said.text, STOP_WORDS[self._language].anywhere, alone):
+            without = transcript_of(alone, seconds, "", only_alone)
+            if without.text:
+                return without
         return transcript_of(found, seconds, prompt, heard_again(alone))
 
     def stops(self, shown: Sequence[str], seconds: float) -> tuple[Hypothesis, ...]:

@@ -4,12 +4,14 @@ import math
 
 import pytest
 
+from edgevox.agent.nlu.meaning import HEARD_FROM
 from edgevox.voice.stt.speech_to_text import (
     Segment,
     Transcript,
-    one_word_parroted,
+    only_alone,
     parroted,
     plausible,
+    stop_word_parroted,
     transcript_of,
     words_of,
 )
@@ -121,11 +123,17 @@ def test_what_hearing_was_shown_counts_only_if_it_is_likely(written, log_probabi
         ("Stop! Halt!", ["Up.", "Hop."], True),
         ("Halt!", ["Hall.", "Halt."], False),
         ("Halt!", ["Yeah, halt.", "Hey, halt."], False),
-        ("Go!", ["On."], False),
+        ("Kitchen.", ["Chicken."], False),
         ("Turn left.", ["Turn the lap."], False),
     ],
 )
 def test_a_stop_word_that_hearing_was_shown_is_heard_without_it_too(said, without, is_parroted):
     alone = [segment(text, -0.3) for text in without]
 
-    assert one_word_parroted(said, "Turn left. Stop! Halt!", alone) is is_parroted
+    assert stop_word_parroted(said, ("stop", "halt"), alone) is is_parroted
+
+
+def test_what_is_only_heard_without_being_shown_needs_a_yes():
+    said = transcript_of([segment("Go left.", -0.01)], 1.0, "", only_alone)
+
+    assert (said.text, said.confidence < HEARD_FROM) == ("Go left.", True)
