@@ -29,7 +29,7 @@ FILE = Path(__file__).with_name("questions.yaml")
 TABLE = "Questions to a robot about itself and its world, answered rightly"
 KINDS = {"tuned": "that templates were written from", "apart": "kept apart"}
 _NUMBER = re.compile(r"-?\d+(?:\.\d+)?")
-_UNDER_WAY_S, _STEP_S, _MOST_S = 2.0, 0.5, 240.0
+_UNDER_WAY_S, _STEP_S, _MOST_S, _SETTLES_S = 2.0, 0.5, 240.0, 2.0
 _ANSWER_S = 120.0
 """A language model on few cores may take long."""
 
@@ -93,6 +93,7 @@ class Robot:
             self._arrive()
         if under_way := row.get("during"):
             self.say(under_way)
+            self.settled(True)
             self._pass(_UNDER_WAY_S)
         moving, began_s = self._moving, time.monotonic()
         seen = self.say(row["said"])
@@ -121,6 +122,13 @@ class Robot:
     def drives_on(self) -> bool:
         """True if a goal moves it, or waits to."""
         return bool(self._parts.conversation.moving)
+
+    def settled(self, wanted: bool) -> bool:
+        """Whether it `drives_on`, once that is as wanted, or after a while."""
+        deadline_s = time.monotonic() + _SETTLES_S
+        while self.drives_on != wanted and time.monotonic() < deadline_s:
+            time.sleep(0.01)
+        return self.drives_on
 
     def wait(self, seconds: float) -> None:
         """Let its time pass."""

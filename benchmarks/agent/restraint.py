@@ -89,8 +89,10 @@ def _wrong_after(robot: Robot, turn: Mapping[str, Any]) -> str:
     before = robot.drives_on
     robot.say(turn["says"])
     robot.wait(_BETWEEN_S)
-    after = robot.drives_on
-    wanted = {"stands": False, "moves": True, "goes on": before}.get(turn.get("then", ""), after)
+    wanted = {"stands": False, "moves": True, "goes on": before}.get(
+        turn.get("then", ""), robot.drives_on
+    )
+    after = robot.settled(wanted)
     return "" if after == wanted else f"{turn['says']}: {'moves' if after else 'stands'}"
 
 
