@@ -183,7 +183,9 @@ def train_general(encoder: Encoder) -> dict[str, object]:
     raw = np.array([encoder.features(says) for says, _ in rows], np.float64)
     mean, spread = raw.mean(0), raw.std(0) + 1e-6
     wanted = np.array([general for _, general in rows], float)
-    found = logistic((raw - mean) / spread, wanted, ORDER_PENALTY)
+    share = wanted.mean()  # of both there is as much then, however many there are
+    weights = np.where(wanted > 0, 0.5 / share, 0.5 / (1 - share))
+    found = logistic((raw - mean) / spread, wanted, ORDER_PENALTY, weights)
     return {
         "general_weights": (found[:-1] / spread).astype(np.float32),
         "general_bias": np.float64(found[-1] - (found[:-1] * mean / spread).sum()),

@@ -206,12 +206,14 @@ def parroted(segment: Segment, prompt: str) -> bool:
 def stop_word_parroted(said: str, stop_words: Collection[str], alone: Sequence[Segment]) -> bool:
     """Return whether these are only stop words of the prompt that are not heard without it.
 
-    `alone` holds the hypotheses without the prompt. In a short word such as "on" Whisper hears the
-    "Halt!" that it was shown.
+    `alone` holds the hypotheses without the prompt; no likely one has such a word then. In a short
+    word such as "on" Whisper hears the "Halt!" that it was shown.
     """
     words = _sentences(said)
+    least = max((one.whole for one in alone), default=0.0) - ABOUT_AS_LIKELY
+    likely = (one for one in alone if one.whole >= least)
     return words <= {*stop_words} and not any(
-        words & {*plain_words(one.text).split()} for one in alone
+        words & {*plain_words(one.text).split()} for one in likely
     )
 
 
@@ -314,6 +316,9 @@ LISTEN_AGAIN_BELOW = 0.9
 NEAR, AWAY = 1.0, 2.0
 """In nats, the distances to the likeliest hypothesis: below the first, a text was heard then,
 too; from the second on, it was not."""
+ABOUT_AS_LIKELY = 0.9
+"""In nats, below the likeliest hypothesis: without the prompt a stop word was heard down to here.
+Chosen with recordings of people (`benchmarks.hearing.people_stops`, the half for tuning)."""
 DOUBT = 0.88
 """The factor on the confidence of words that the second hearing does not confirm: a motion needs
 a yes then."""

@@ -122,13 +122,14 @@ def test_what_hearing_was_shown_counts_only_if_it_is_likely(written, log_probabi
         ("Halt!", ["On.", "Hon."], True),
         ("Stop! Halt!", ["Up.", "Hop."], True),
         ("Halt!", ["Hall.", "Halt."], False),
+        ("Halt!", ["Oh.", "No.", "Ho!", "Halt."], True),
         ("Halt!", ["Yeah, halt.", "Hey, halt."], False),
         ("Kitchen.", ["Chicken."], False),
         ("Turn left.", ["Turn the lap."], False),
     ],
 )
 def test_a_stop_word_that_hearing_was_shown_is_heard_without_it_too(said, without, is_parroted):
-    alone = [segment(text, -0.3) for text in without]
+    alone = [likely(text, math.exp(-0.35 * at)) for at, text in enumerate(without)]
 
     assert stop_word_parroted(said, ("stop", "halt"), alone) is is_parroted
 
