@@ -316,7 +316,7 @@ LISTEN_AGAIN_BELOW = 0.9
 NEAR, AWAY = 1.0, 2.0
 """In nats, the distances to the likeliest hypothesis: below the first, a text was heard then,
 too; from the second on, it was not."""
-ABOUT_AS_LIKELY = 0.9
+ABOUT_AS_LIKELY = 1.5
 """In nats, below the likeliest hypothesis: without the prompt a stop word was heard down to here.
 Chosen with recordings of people (`benchmarks.hearing.people_stops`, the half for tuning)."""
 DOUBT = 0.88

@@ -129,7 +129,7 @@ def test_what_hearing_was_shown_counts_only_if_it_is_likely(written, log_probabi
     ],
 )
 def test_a_stop_word_that_hearing_was_shown_is_heard_without_it_too(said, without, is_parroted):
-    alone = [likely(text, math.exp(-0.35 * at)) for at, text in enumerate(without)]
+    alone = [likely(text, math.exp(-0.6 * at)) for at, text in enumerate(without)]
 
     assert stop_word_parroted(said, ("stop", "halt"), alone) is is_parroted
 
