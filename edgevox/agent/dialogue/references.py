@@ -3,7 +3,7 @@
 The calls follow from the last actions. A reference to something that was stopped, is too long ago
 or could mean two things is not carried out; the person is told what to say instead. Only "carry on"
 means what was stopped. It is always asked about, and so is "go there": it means the place that was
-named last, in a question or in an order.
+named last, in a question, an order or an offer.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -83,7 +83,10 @@ class References:
         return (Call(TO_POINT, {"x": x, "y": y}),)
 
     def there(self, before: Sequence[Call] = ()) -> Sequence[Call]:
-        """A drive to the place that words named last, in the calls `before` or earlier."""
+        """A drive to the place that was named last, in the calls `before` or earlier.
+
+        In a question, an order or an offer of the robot, whether it was done or not.
+        """
         drive = self._skills.get(TO_PLACE)
         if drive is None and TO_POINT not in self._skills:
             raise SkillFailed(no_way_back(self._skills.values()))

@@ -428,6 +428,7 @@ def opposite_of(call: Call, skills: Mapping[str, Skill]) -> Call | None:
 TO_POINT = "navigate_xy"
 """The skill that drives to where a body was."""
 TO_PLACE = "navigate_to"
+"""The skill that drives to a place by its name."""
 
 
 def no_way_back(skills: Iterable[Skill]) -> Reason:
