@@ -156,7 +156,7 @@ def test_a_person_who_speaks_over_it_cuts_it_and_is_understood(rig, monkeypatch)
     assert rms(rig.answer()) > 0.0
 
 
-@pytest.mark.parametrize("words", ["yeah", "okay", "oh, I see"])
+@pytest.mark.parametrize("words", ["yeah", "okay", "I see"])
 def test_a_person_who_only_listens_does_not_end_its_answer(rig, words, monkeypatch):
     heard = speaking(rig, monkeypatch)
     sound = loud(says_piper(words), 0.3)
