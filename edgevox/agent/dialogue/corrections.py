@@ -16,7 +16,7 @@ from edgevox.agent.dialogue.memory import LastDrive
 from edgevox.agent.dialogue.question import OpenQuestion
 from edgevox.agent.nlu.interpreter import Interpreter
 from edgevox.agent.nlu.lexicon import words_of
-from edgevox.agent.nlu.meaning import ASK_FROM, THE_OTHER, Meaning
+from edgevox.agent.nlu.meaning import ASK_FROM, IT, THE_OTHER, Meaning
 from edgevox.agent.nlu.templates import RefusedCommand
 from edgevox.agent.phrases.numbers import digits, is_exact
 from edgevox.agent.phrases.phrasebook import Phrasebook
@@ -265,10 +265,6 @@ def _answers(book: Phrasebook) -> Answers:
     )
 
 
-_IT = "it"
-"""Pronoun for the thing spoken of last; it names no value, so it corrects nothing."""
-
-
 def correct(
     call: Call,
     one: Skill,
@@ -329,7 +325,7 @@ def known_words(skills: Iterable[Skill], book: Phrasebook, text: str) -> Mapping
 
 def _heard(choices: OneOf, book: Phrasebook, text: str) -> Mapping[str, str]:
     """Each spoken form of a word, and each inflected one in the text: "вместо кухни"."""
-    spoken = {said: word for said, word in book.heard(choices).items() if word != _IT}
+    spoken = {said: word for said, word in book.heard(choices).items() if word != IT}
     if not book.fallback or not book.hearing.spaced:
         return spoken
     keys = {key(said): word for said, word in spoken.items()}

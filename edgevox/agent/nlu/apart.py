@@ -11,11 +11,18 @@ from enum import Enum
 from functools import cache
 from itertools import pairwise
 
-from edgevox.agent.nlu.decider import LIKELY_TALK, NOT_NOW, TALK, Decider
+from edgevox.agent.nlu.decider import (
+    LIKELY_DENIED,
+    LIKELY_TALK,
+    NOT_NOW,
+    PERHAPS_NOT_NOW,
+    TALK,
+    Decider,
+)
 from edgevox.agent.nlu.evidence import QUESTION_MARKS
 from edgevox.agent.nlu.judging import Readings
 from edgevox.agent.nlu.lexicon import Lexicon, plain, words_of
-from edgevox.agent.nlu.meaning import BACK, RESUME, THE_OTHER
+from edgevox.agent.nlu.meaning import BACK, IT, RESUME, THE_OTHER
 from edgevox.agent.skills import Call
 from edgevox.agent.stop.words import find_stop_word
 from edgevox.core.languages import LANGUAGES
@@ -36,6 +43,9 @@ GUESSES: Mapping[str, tuple[str, ...]] = {
     "hand": ("move_to",),
 }
 """The skills that do what the encoder says is asked for, by its kinds."""
+
+_ELSE: Mapping[str, tuple[str, ...]] = {"around": ("turn_left",), "release": ("place",)}
+"""The skills that do it where the words have a value: "turn 180 degrees", "let go of the cube"."""
 
 REFERRED: Mapping[str, str] = {
     "again": "again",
@@ -83,6 +93,8 @@ class Clause:
     """True if templates read them."""
     guessed: bool = False
     """True if the words hardly say them."""
+    refused: bool = False
+    """True for words of a command that cannot be done as they are, and have no calls."""
 
 
 def asks_for_motion(text: str, decider: Decider) -> bool:
@@ -128,13 +140,15 @@ class ClauseReader:
     def apart(self, text: str) -> Clause | None:
         """The calls of a text's clauses, one after another; None if one is no order or remark.
 
-        Of several none may be a guess. They are sure if templates read all of them, no remark is
-        left out, each but the last says its amount or place, and none is that before once more:
-        "forward, back one metre" and "two metres, three metres" may take the first one back.
+        Of several none may be a guess without an amount or a place. They are sure if templates read
+        all of them, no remark is left out, each but the last says its amount or place, and none is
+        that before once more: "forward, back one metre" and "two metres, three metres" may take the
+        first one back. Else all of them may mean one call: "come along, we are in the kitchen".
         """
         results = words_of(self._code).results
-        parted = (self._clauses(text, more) for more in ((), results, (*results, *self._joints)))
-        return next(filter(None, map(self._in_order, parted)), None)
+        parted = [self._clauses(text, more) for more in ((), results, (*results, *self._joints))]
+        found = next(filter(None, map(self._in_order, parted)), None)
+        return found or self._as_one(text, parted[-1])
 
     def rest(self, text: str, calls: Sequence[Call], *, corrected: bool) -> Rest:
         """What a text holds beside these calls.
@@ -151,6 +165,8 @@ class ClauseReader:
             if len(clauses) > 1 and any(not corrected or named(one) for one in asked):
                 return Rest.ORDER
         clauses = clauses_of(text, self._code)
+        if len(clauses) == 1 and self._asks_another(text, calls):
+            return Rest.UNCLEAR
         if corrected or len(clauses) == 1:
             return Rest.NOTHING
         skills = {one.skill for one in calls}
@@ -193,20 +209,27 @@ class ClauseReader:
             elif clause := self._read(one):
                 found.append(clause)
                 before = one
-            elif not self._is_remark(one, opens=not found, least=0.0):
+            elif not (self._is_remark(one, opens=not found, least=0.0) or self._denies(one, found)):
                 return None
         calls = tuple(call for one in found for call in one.calls)
-        if not calls or (len(found) > 1 and any(one.guessed for one in found)):
+        bare = (one for one in found if one.guessed and not all(o.arguments for o in one.calls))
+        if not calls or (len(found) > 1 and any(bare)):
             return None
         told = all(call.arguments for call in calls[:-1])
         again = any(one.skill == other.skill for one, other in pairwise(calls))
         sure = told and not again and len(found) == len(clauses) and all(one.sure for one in found)
         return Clause(calls, sure)
 
+    def _denies(self, clause: str, found: Sequence[Clause]) -> bool:
+        """True if a clause only denies another motion than those found: "forward, not back"."""
+        denied = self._readings.denied(clause) if found else None
+        skills = {call.skill for one in found for call in one.calls}
+        return denied is not None and denied.skill not in skills
+
     def _read(self, clause: str) -> Clause | None:
         """A clause's calls: by templates, a sure reading, what is likely asked, or a reading."""
         plain = self._plain(clause)
-        if plain is not None:
+        if plain is not None and not plain.refused:
             return plain if plain.calls else None
         if self._cannot(clause) or self._readings.unknown_place(clause):
             return None
@@ -221,12 +244,37 @@ class ClauseReader:
         if self._decider.for_now(clause) < NOT_NOW:
             return None
         kind, likely = self._decider.asked(clause)
-        filler = self._readings.is_filler(clause)
-        skills = GUESSES.get(kind, ()) if likely >= LIKELY_ASKED and not filler else ()
-        call = self._readings.whole(clause, skills)
+        small = likely < LIKELY_ALONE and self._readings.is_filler(clause)
+        small = small or self._readings.is_amount(clause)
+        asked = likely >= LIKELY_ASKED and not small
+        call = self._whole(clause, kind, plainly=likely >= PLAINLY_ASKED) if asked else None
         if call and (call.arguments or likely >= LIKELY_ALONE):
             return Clause((call,), sure=False, guessed=True)
         return Clause(decision.calls, sure=False, guessed=True) if decision else None
+
+    def _as_one(self, text: str, clauses: Sequence[str]) -> Clause | None:
+        """The one call with a value that a text plainly asks for, if no clause asks for more."""
+        kind, likely = self._decider.asked(text)
+        if likely < LIKELY_ALONE or len(clauses) > MOST_CLAUSES:
+            return None
+        if self._decider.for_now(text) < PERHAPS_NOT_NOW:
+            return None
+        for clause in clauses:
+            other, sure = self._decider.asked(clause)
+            more = other not in (kind, TALK) and sure >= LIKELY_TALK
+            more = more or bool(self._readings.unknown_place(clause))
+            if more or self._cannot(clause) or self._decider.leaves(clause):
+                return None
+        call = self._whole(text, kind)
+        return Clause((call,), sure=False, guessed=True) if call and call.arguments else None
+
+    def _whole(self, text: str, kind: str, *, plainly: bool = False) -> Call | None:
+        """The text as one call of what the encoder says is asked for."""
+        read = self._readings.whole
+        call = read(text, GUESSES.get(kind, ()), plainly=plainly)
+        if call is None and (found := read(text, _ELSE.get(kind, ()))) and found.arguments:
+            return found
+        return call
 
     def _with_amount(self, before: str, clause: str, read: Clause) -> Clause | None:
         """A clause whose calls say no amount, with the one that this clause is; else None.
@@ -247,21 +295,26 @@ class ClauseReader:
             return False
         kind, likely = self._decider.asked(clause)
         talks = kind == TALK and likely >= least
+        plainly = talks and not least and likely >= PLAINLY_ASKED
+        plainly = plainly and self._decider.denied(clause) < LIKELY_DENIED
         small = self._readings.is_reason(clause) or self._readings.is_urge(clause)
         if kind in GUESSES and likely >= LIKELY_MORE and not small:
             return False
         return (
-            (talks or small or self._readings.is_filler(clause))
+            (talks or small or self._is_filler(clause))
             and not self._cannot(clause)
             and self._readings.is_aside(
-                clause, may_deny=talks and likely >= LIKELY_TALK, opens=opens
+                clause,
+                may_deny=talks and likely >= LIKELY_TALK,
+                opens=opens,
+                plainly=plainly,
             )
         )
 
     def _orders_more(self, clause: str, calls: Sequence[Call]) -> bool:
         """True if a clause without a value of these calls most likely orders another motion."""
         skills = {one.skill for one in calls}
-        values = {str(value) for one in calls for value in one.arguments.values()}
+        values = {str(value) for one in calls for value in one.arguments.values()} - {IT}
         if (
             skills - _GUESSED
             or self._readings.has_number(clause)
@@ -272,11 +325,26 @@ class ClauseReader:
             return False
         kind, likely = self._decider.asked(clause)
         names = {*GUESSES.get(kind, ())} & self._readings.skills
-        return bool(names) and likely >= LIKELY_MORE and skills.isdisjoint(names)
+        small = self._readings.is_filler(clause) and not self._is_filler(clause)
+        return bool(names) and (likely >= LIKELY_MORE or small) and skills.isdisjoint(names)
+
+    def _asks_another(self, clause: str, calls: Sequence[Call]) -> bool:
+        """True if a clause rather asks for another motion: "drive back forward a metre"."""
+        kind, likely = self._decider.asked(clause)
+        names = {*GUESSES.get(kind, ())} & self._readings.skills
+        another = names and likely >= LIKELY_TALK and names.isdisjoint(o.skill for o in calls)
+        return bool(another) and len(calls) == 1 and calls[0].skill in _GUESSED
 
     def _is_part(self, clause: str, skills: Collection[str]) -> bool:
         """True if a clause says something of the calls of these skills, in known words."""
-        return self._readings.is_filler(clause) or self._readings.is_known(clause, skills)
+        return self._is_filler(clause) or self._readings.is_known(clause, skills)
+
+    def _is_filler(self, clause: str) -> bool:
+        """True if each word may be left out, and several ask for no motion: "back up a bit"."""
+        kind, likely = self._decider.asked(clause)
+        moves = likely >= LIKELY_TALK and (kind in GUESSES or kind in REFERRED)
+        moves = moves or self._readings.says_little(clause)
+        return self._readings.is_filler(clause) and not (moves and len(clause.split()) > 1)
 
 
 def _go_somewhere(calls: Sequence[Call]) -> bool:

@@ -268,7 +268,7 @@ class Clauses:
             if words.skill.name != STOP and (names or not words.skill.choices)
             for chosen in ([inside, names] if len(inside) > len(names) else [names])
             for part in self._calls(words, start, end, chosen, numbers)
-            if part.support >= (_PLAIN if self._may_be_short(part) else _BARE)
+            if part.support >= (_PLAIN if self._may_be_short(part, chosen) else _BARE)
         ]
         parts = [one for one in parts if one.support > 0 or _is_alone(one, parts)]
         ranked = sorted(parts, key=lambda one: (one.support, one.grounded), reverse=True)
@@ -284,9 +284,13 @@ class Clauses:
         calls = self._calls(words, 0, len(self.tokens), self._names, self._numbers)
         return next(calls, None)
 
-    def _may_be_short(self, part: ClauseReading) -> bool:
-        """True if the call may lack its verb: "the kitchen, please" can only ask for a drive."""
-        return part.grounded > 0 and self._lexicon.skills[part.call.skill].drives
+    def _may_be_short(self, part: ClauseReading, names: Sequence[Name]) -> bool:
+        """True if the call may lack its verb: "the kitchen, please" can only ask for a drive.
+
+        "The red one, go for it" asks to put nothing: its "it" may as well mean nothing.
+        """
+        drives = self._lexicon.skills[part.call.skill].drives
+        return part.grounded > 0 and drives and not any(map(self._is_weak, names))
 
     def _is_weak(self, one: Name) -> bool:
         """True if these words may as well mean nothing: "it", "that"."""

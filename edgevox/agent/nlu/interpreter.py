@@ -181,7 +181,8 @@ class Interpreter:
             return self._taken(meaning, turn)
         if asked:
             return self._taken(asked, turn)
-        beside = None if program or plain else self._apart(text) or self._referred(text)
+        beside = None if program else self._apart(text)
+        beside = beside or (None if program or plain else self._referred(text))
         if beside:
             return self._taken(beside, turn)
         refused = program if isinstance(program, RefusedCommand) else plain
@@ -323,7 +324,8 @@ class Interpreter:
             and (_drives(plain) or _refers(plain))
         ):
             return Clause(plain.calls, plain.sure)
-        return None if plain is None else Clause((), sure=False)
+        refused = isinstance(plain, RefusedCommand)
+        return None if plain is None else Clause((), sure=False, refused=refused)
 
     def _answer(self, text: str, said: str, turn: Turn) -> Meaning | None:
         """Answer words that are no order: by what the robot knows, else by the model.
@@ -715,7 +717,10 @@ class Interpreter:
             self._say_not_understood(text, turn)
 
     def _say_not_understood(self, text: str, turn: Turn) -> None:
-        """Say that the robot does not do that, has no answer, or did not understand."""
+        """Say that the robot leaves, or does not do that, has no answer, or did not understand."""
+        if self.denies_motion(text):
+            turn.say(self.phrases.say("left_undone"))
+            return
         told, can = not_understood(self.phrases, self._every_skill())
         speaks = self._readings[self.active.name].speaks(text)
         match reply_to(text, self._code, self._decider, speaks=speaks):

@@ -121,10 +121,11 @@ class Readings:
                 )
         return None
 
-    def whole(self, text: str, skills: Collection[str]) -> Call | None:
+    def whole(self, text: str, skills: Collection[str], *, plainly: bool = False) -> Call | None:
         """The text as one call of one of these skills, though its words may not say so.
 
-        None if words deny, report, condition or change an order, or are left over.
+        None if words deny, report, condition or change an order, or are left over. Unknown words
+        without an argument count only if something else `plainly` tells the skill.
         """
         if not is_exact(text, self._language):
             return None
@@ -137,7 +138,9 @@ class Readings:
             facts = evidence(reading, lexicon, text)
             against = any(facts[one] for one in (*_OBJECTIONS, "conditions"))
             left = self._is_left(reading, lexicon, plain, likely=True)
-            guessed = reading.strange and not reading.calls[0].arguments
+            unfilled = any(one.unfilled for one in reading.parts)
+            bare = not (reading.calls[0].arguments or plainly)
+            guessed = reading.strange and (bare or unfilled)
             another = _names_another_motion(reading, lexicon)
             if against or left or guessed or another or self._denies(plain):
                 return None
@@ -216,26 +219,30 @@ class Readings:
             found.add("changed")
         return frozenset(found)
 
-    def is_aside(self, text: str, *, may_deny: bool, opens: bool) -> bool:
+    def is_aside(self, text: str, *, may_deny: bool, opens: bool, plainly: bool = False) -> bool:
         """True if no word of a clause counts, names, conditions, corrects or puts off anything.
 
         A clause that `may_deny` may hold a denial, but no word of a motion then. One that `opens`
-        a text has nothing before it to correct: "sorry, ...".
+        a text has nothing before it to correct: "sorry, ...". One that is `plainly` talk may count,
+        name and deny: "I was in the kitchen".
         """
         self._renew()
         for lexicon, _ in self._readers:
             words, answers = lexicon.function_words, lexicon.book.answers
-            against = (
-                *words.conditions, *words.reversals, *words.put_off, *words.reports, *words.bounds,
-            )  # fmt: skip
-            denying = (*words.negations, *answers.not_, *answers.no)
+            against = (*words.reversals, *words.put_off, *words.reports, *words.bounds)
             tokens = _tokens(text, lexicon)
-            if any(map(is_number, tokens)) or find_names(lexicon, tokens):
-                return False
+            conditions = lexicon.as_written(words.conditions).starts(tokens)
             if next(lexicon.as_written(against).find(tokens), None):
+                return False
+            if conditions if not plainly else 0 in conditions:
                 return False
             if not opens and lexicon.index(words.corrections).starts(tokens) & {0, 1}:
                 return False
+            if plainly:
+                continue
+            if any(map(is_number, tokens)) or find_names(lexicon, tokens):
+                return False
+            denying = (*words.negations, *answers.not_, *answers.no)
             denied = bool(lexicon.index(denying).starts(tokens))
             moves = any(speaks_of_motion(one, lexicon) for one in tokens)
             if denied and (moves or not may_deny):

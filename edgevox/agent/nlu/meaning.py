@@ -172,6 +172,9 @@ THE_OTHER, RESUME, THERE = "the_other", "resume", "go_there"
 REFERENCES = ("again", BACK, THERE, "further", RESUME, THE_OTHER)
 """Names of the dialogue skills that refer to what was done or spoken of before."""
 
+IT = "it"
+"""Value of an argument that is the thing spoken of last; it names nothing."""
+
 HEARD_FROM = 0.8
 """Product of the confidences of hearing and of meaning below which the robot asks before a motion.
 Of 1,152 commands by the tuning voices (`training/acoustics`), in noise at 10, 5 and 0 dB, no wrong

@@ -12,6 +12,7 @@ from edgevox.agent.nlu.clauses import Name, find_names
 from edgevox.agent.nlu.evidence import QUESTION_MARKS
 from edgevox.agent.nlu.judging import Judged
 from edgevox.agent.nlu.lexicon import TOKEN, Lexicon, Words, is_mark, plain, words_of
+from edgevox.agent.nlu.meaning import IT
 from edgevox.agent.phrases.load import ENGLISH, phrasebook
 from edgevox.agent.phrases.numbers import digits
 from edgevox.agent.phrases.phrasebook import Phrasebook
@@ -314,7 +315,7 @@ class WorldWords:
             for one in self._skills
             for choices in one.choices.values()
             for form, word in self._book.heard(choices).items()
-            if word != _IT
+            if word != IT
         }
         parts = {part for form in known if " " in form for part in form.split()}
         return frozenset(known.keys() - (parts - {key(word) for word in known.values()}))
@@ -322,5 +323,3 @@ class WorldWords:
 
 PRODUCT = "EdgeVox"
 _NUMBER = re.compile(NUMBER)
-_IT = "it"
-"""Pronoun for the thing spoken of last; it names nothing."""

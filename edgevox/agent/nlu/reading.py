@@ -67,6 +67,8 @@ class CallReader:
         self._corrections = lexicon.index(words.corrections)
         denials = () if lexicon.book.hearing.denials_follow else lexicon.book.answers.not_
         self._denials = lexicon.index(denials)
+        taking_back = {*lexicon.book.answers.no, *words.corrections}
+        self._contrasts = lexicon.index(tuple(o for o in denials if o not in taking_back))
         self._reversal = lexicon.index(words.reversals[:1])
         self._opening = lexicon.index(
             (*joints, *words.corrections, *words.reversals, *words.reasons)
@@ -86,13 +88,13 @@ class CallReader:
             for one in _as_written(find_names(self._lexicon, tokens), tokens, written)
             if one.start not in joining and not self._is_article(tokens, one)
         ]
-        names, denied = self._take_back(tokens, said)
-        ambiguous = any(
+        names, left, denied = self._take_back(tokens, said)
+        ambiguous = bool(left) or any(
             self._denials.places(tokens).intersection(range(one.end, other.start))
             for one, other in itertools.pairwise(said)
-            if one not in names
+            if one not in names and one not in left
         )
-        counted = find_numbers(tokens, self._linking)
+        counted = self._numbers(tokens, said)
         numbers = self._corrected(tokens, counted)
         corrected = len(names) < len(said) or len(numbers) < len(counted)
         gone = {at for one in said for at in range(one.start, one.end)}
@@ -111,7 +113,7 @@ class CallReader:
         taken = gone | {at for one in said for at in range(one.start, one.end)}
         unread = unread or any(self._is_half_read(part, sentence, taken) for part in parts)
         parts = self._meant(parts)
-        if self._takes_back(parts, tokens):
+        if self._takes_back(parts, tokens, gone):
             parts, corrected, denied = parts[1:], True, False
         return Reading(
             _once(self._ordered(parts, tokens)),
@@ -143,7 +145,7 @@ class CallReader:
         if not tokens or len(tokens) > MAX_TOKENS:
             return None
         names = list(_as_written(find_names(self._lexicon, tokens), tokens, written))
-        numbers = find_numbers(tokens, self._linking)
+        numbers = self._numbers(tokens, names)
         courteous = self._courtesies.places(tokens)
         filled = self._filled(tokens) | courteous
         sentence = Clauses(self._lexicon, tokens, names, numbers, filled=filled)
@@ -185,6 +187,16 @@ class CallReader:
             if part.start < at < values[0]
         )
 
+    def _numbers(self, tokens: Words, names: Sequence[Name]) -> list[Number]:
+        """The numbers that are no part of a name: "the red one", "the left one"."""
+        named = {at for one in names for at in range(one.start, one.end)}
+        ends = {one.end for one in names}
+        return [
+            one
+            for one in find_numbers(tokens, self._linking)
+            if not (one.start in named or (one.value == 1 and not one.unit and one.start in ends))
+        ]
+
     def _is_article(self, tokens: Words, one: Name) -> bool:
         """True if the name is an article here, a word that elsewhere means "it"."""
         return one.end < len(tokens) and tokens[one.start : one.end] in self._articles
@@ -193,25 +205,79 @@ class CallReader:
         common = {i for i, token in enumerate(tokens) if token in self._lexicon.common}
         return self._filling.places(tokens) | common
 
-    def _take_back(self, tokens: Words, names: Sequence[Name]) -> tuple[list[Name], bool]:
-        """The names that were not taken back ("the office, no, the bedroom"), and a denial."""
+    def _take_back(
+        self, tokens: Words, names: Sequence[Name]
+    ) -> tuple[list[Name], list[Name], bool]:
+        """The names that were not taken back, those that were left out, and whether one is denied.
+
+        "The office, no, the bedroom" takes back the first, "not the office" behind another one
+        leaves it out.
+        """
         denied = self._negations.places(tokens) - self._courtesies.places(tokens)
         correcting = self._correcting(tokens)
-        kept = list(names)
+        kept, left = list(names), list[Name]()
         allowed: set[int] = set()
         for first, second in itertools.pairwise(names):
             if first not in kept or first.values.keys().isdisjoint(second.values.keys()):
                 continue
             between = range(first.end, second.start)
-            before = set(range(max(0, first.start - 3), first.start))
+            opening = set(range(max(0, first.start - 3), first.start))
+            if any(is_mark(tokens[at]) for at in between) and self._moves(tokens, between):
+                opening |= self._said_before(tokens, first)
+            before = opening & (denied - allowed)
+            if second is names[-1] and self._leaves_out(tokens, between):
+                kept.remove(second)
+                left.append(second)
+                allowed |= set(between)
+                continue
             if self._denies_behind(tokens, between):
-                return kept, True
-            if before & denied and self._denies_both(tokens, between, denied - correcting):
-                return kept, True
-            if correcting.intersection(between) or before & denied:
+                return kept, left, True
+            if before and self._denies_both(tokens, between, denied - correcting):
+                return kept, left, True
+            if correcting.intersection(between) or before:
                 kept.remove(first)
-                allowed |= set(range(max(0, first.start - 3), second.start))
-        return kept, bool(denied - allowed)
+                allowed |= opening | {*range(first.start, second.start)}
+        return kept, left, bool(denied - allowed)
+
+    def _said_before(self, tokens: Words, name: Name) -> set[int]:
+        """The places of the small words and the verb before a name: "do not go to the"."""
+        backwards = range(name.start - 1, -1, -1)
+        start = next((at for at in backwards if not self._is_small(tokens[at])), -1) + 1
+        return {*range(start, name.start)}
+
+    def _moves(self, tokens: Words, places: range) -> bool:
+        """True if a word here urges to move, or speaks for a motion."""
+        urges = self._lexicon.function_words.urges
+        return any(
+            tokens[at] in urges or speaks_of_motion(tokens[at], self._lexicon) for at in places
+        )
+
+    def _is_small(self, word: str) -> bool:
+        """True for a word that denies, fills, or speaks for a motion."""
+        functions = self._lexicon.function_words
+        denials = {one for some in map(self._lexicon.phrase, functions.negations) for one in some}
+        return (
+            word in denials
+            or word in functions.fillers
+            or word in self._lexicon.common
+            or speaks_of_motion(word, self._lexicon)
+        )
+
+    def _leaves_out(self, tokens: Words, between: range) -> bool:
+        """True if what is between two names leaves the second out: "the office, not the bedroom".
+
+        Nothing but marks, joints and small words may stand there, and no word that may as well take
+        back the first: the "no" of "a la cocina no al despacho".
+        """
+        said = self._contrasts.places(tokens).intersection(between)
+        parted = self._joints.places(tokens)
+        opening = [at for at in between if at < min(said, default=0)]
+        behind = [at for at in between if at > max(said, default=0)]
+        return (
+            bool(said)
+            and all(is_mark(tokens[at]) or at in parted for at in opening)
+            and self._filling.places(tokens).issuperset(behind)
+        )
 
     def _correcting(self, tokens: Words) -> frozenset[int]:
         """Where words correct what is before them: "instead", but not that of "instead of"."""
@@ -279,8 +345,13 @@ class CallReader:
         ]
         return tuple(strong) or parts
 
-    def _takes_back(self, parts: tuple[ClauseReading, ...], tokens: Words) -> bool:
-        """True if the first of two motions is taken back: "not left, right", "left, no, right"."""
+    def _takes_back(
+        self, parts: tuple[ClauseReading, ...], tokens: Words, values: Collection[int]
+    ) -> bool:
+        """True if the first of two motions is taken back: "not left, right", "left, no, right".
+
+        A correction before the last of its `values` takes back another value: "blue, no, red".
+        """
         if len(parts) != 2 or not all(self._lexicon.skills[p.call.skill].drives for p in parts):
             return False
         first, second = parts
@@ -289,7 +360,8 @@ class CallReader:
         alone = bool(denied) and denied <= set(range(first.start, first.end))
         if alone and denied.intersection(opening) and is_mark(tokens[second.start]):
             return first.call.skill != second.call.skill
-        between = range(first.start + 1, second.start + 2)
+        said = max((at for at in values if first.start <= at < first.end), default=first.start)
+        between = range(said + 1, second.start + 2)
         starts = self._corrections.starts(tokens) & self._correcting(tokens)
         corrected = bool(starts.intersection(between))
         return corrected and first.call.skill != second.call.skill

@@ -9,6 +9,7 @@ from edgevox.agent.phrases.own_names import phrasebook_of
 from edgevox.agent.skills import Call, SkillSet, skill
 
 READINGS = {name: Readings(skills, "en") for name, skills in skills_of_robots().items()}
+BLUE = Call("grasp", {"object": "blue_cube"})
 KITCHEN, OFFICE = (Call("navigate_to", {"room": room}) for room in ("kitchen", "office"))
 
 
@@ -56,6 +57,12 @@ def test_orders_in_the_words_of_strangers_are_read(
     [
         ("apartment", "drive to the kitchen, no, the office", [OFFICE]),
         ("apartment", "not the kitchen, the office", [OFFICE]),
+        ("apartment", "don't go to the kitchen, go to the office", [OFFICE]),
+        ("apartment", "go to the office, not to the kitchen", [OFFICE]),
+        ("apartment", "office not kitchen", [OFFICE]),
+        ("panda", "grab the red one... no, the blue one", [BLUE]),
+        ("panda", "not the red one, pick up the blue one", [BLUE]),
+        ("panda", "lift the blue cube rather than the red one", [BLUE]),
         ("humanoid", "turn left 30 degrees, make that 40", [Call("turn_left", {"degrees": 40.0})]),
         ("humanoid", "spin left, no, right", [Call("turn_right")]),
         ("humanoid", "not left, spin right 20 degrees", [Call("turn_right", {"degrees": 20.0})]),
@@ -63,6 +70,27 @@ def test_orders_in_the_words_of_strangers_are_read(
 )
 def test_what_the_speaker_takes_back_is_not_read(robot: str, text: str, meant: list[Call]) -> None:
     assert calls(robot, text) == meant
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "don't go to the kitchen or the office",
+        "go to the kitchen, not the office, the bedroom",
+        "go neither to the kitchen nor the office",
+        "do not go to the kitchen, not to the office",
+        "don't go to the kitchen and the office",
+    ],
+)
+def test_what_may_deny_all_of_it_is_held_back(text: str) -> None:
+    judged = read("apartment", text)
+    assert judged is None or judged.held_back
+
+
+def test_the_one_of_a_thing_is_no_number() -> None:
+    put = Call("place", {"object": "green_cube", "target": "right_bin"})
+    assert calls("panda", "stick the green one in the right one") == [put]
+    assert calls("panda", "stick the green one 1 metre into the right bin") == []
 
 
 def test_every_number_of_a_call_was_said() -> None:
