@@ -17,9 +17,10 @@ from typing import Any
 import yaml
 
 from benchmarks.core.figures import Figure, Measured
+from edgevox.agent.skills import SkillSet
 from edgevox.apps.agent.build import build_parts, start_parts
 from edgevox.apps.robots import build_body
-from edgevox.core.agent_events import Confirmation, ToolCalled
+from edgevox.core.agent_events import Confirmation, ProgramChanged, ToolCalled
 from edgevox.core.commands import Reset, TextInput
 from edgevox.core.events import Responded, TurnEnded, TurnMeasured
 from edgevox.core.settings import NO_LLM, load_settings
@@ -82,7 +83,7 @@ class Robot:
     def __init__(self, name: str, body: Body, parts: Any) -> None:
         self._name, self._body, self._parts = name, body, parts
         self._seen: list[Any] = []
-        seen = Responded | TurnMeasured | TurnEnded | ToolCalled | Confirmation
+        seen = Responded | TurnMeasured | TurnEnded | ToolCalled | Confirmation | ProgramChanged
         parts.bus.subscribe(seen, self._seen.append)
 
     def ask(self, kind: str, row: Mapping[str, Any]) -> Asked:
@@ -90,7 +91,7 @@ class Robot:
         self.begin()
         for said in row.get("after", ()):
             self.say(said)
-            self._arrive()
+            self.arrive()
         if under_way := row.get("during"):
             self.say(under_way)
             self.settled(True)
@@ -138,10 +139,19 @@ class Robot:
         """True if these words stop it."""
         return bool(self._parts.conversation.is_stop(text))
 
+    @property
+    def skills(self) -> SkillSet:
+        """All skills of it, those of a dialogue among them."""
+        skills: SkillSet = self._parts.conversation.interpreter.active.every_skill
+        return skills
+
+    def phrase(self, name: str) -> str:
+        """A sentence that it says, by its key."""
+        return str(self._parts.conversation.interpreter.phrases.say(name))
+
     def drives(self, skill: str) -> bool:
         """True if this skill of it moves it."""
-        skills = self._parts.conversation.interpreter.active.every_skill
-        return skill in skills and skills[skill].drives
+        return skill in self.skills and self.skills[skill].drives
 
     def _harm(self, seen: Sequence[Any], *, moving: bool) -> str:
         if any(isinstance(one, Confirmation) for one in seen):
@@ -157,9 +167,9 @@ class Robot:
     def _count(self) -> int:
         return sum(isinstance(one, TurnEnded) for one in self._seen)
 
-    def _arrive(self) -> None:
-        """Let time pass until what was begun has ended."""
-        left_s = _MOST_S
+    def arrive(self) -> Sequence[Any]:
+        """Let time pass until what was begun has ended; the events until then."""
+        before, left_s = len(self._seen), _MOST_S
         time.sleep(0.05)
         while self._parts.conversation.busy and left_s > 0:
             self._pass(_STEP_S)
@@ -167,6 +177,7 @@ class Robot:
             if not self._parts.conversation.wait_idle(0.02):
                 continue
         self._parts.conversation.wait_idle(1.0)
+        return self._seen[before:]
 
     def _pass(self, seconds: float) -> None:
         if isinstance(self._body, Advances):

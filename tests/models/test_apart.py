@@ -396,3 +396,45 @@ def test_words_for_another_way_are_no_step_back():
 def test_a_part_of_what_was_done_before_is_no_turn_around(says):
     calls, sure, _ = understood("apartment", says)
     assert not (calls and sure)
+
+
+@pytest.mark.parametrize(
+    ("language", "says", "call"),
+    [
+        ("es", "gira a la izquierda, no a la derecha", Call("turn_left", {})),
+        ("pt", "vira à esquerda, não à direita", Call("turn_left", {})),
+        ("pl", "skręć w lewo, nie w prawo", Call("turn_left", {})),
+        ("id", "belok kiri, bukan kanan", Call("turn_left", {})),
+        ("fr", "va à la cuisine plutôt qu'au bureau", Call("navigate_to", {"room": "kitchen"})),
+    ],
+)
+def test_what_is_denied_behind_an_order_is_not_done(language, says, call):
+    calls, sure, _ = understood("apartment", says, language)
+    assert (calls, sure) == ([call], False)
+
+
+@pytest.mark.parametrize(
+    ("language", "says"),
+    [
+        ("en", "can't you go to the kitchen, then go to the office"),
+        ("en", "don't wait go to the kitchen, then go to the office"),
+        ("en", "go to the kitchen, he said you must not"),
+        ("en", "drive forward, 3 metres is too much"),
+        ("en", "go to the kitchen 1"),
+        ("es", "no ve a la cocina, luego ve al despacho"),
+        ("pt", "não vai para a cozinha, depois vai para o escritório"),
+        ("nl", "vergeet niet naar de keuken te gaan, ga dan naar het kantoor"),
+        ("zh", "等客人都走了，你就去厨房。"),
+    ],
+)
+def test_what_may_mean_another_order_is_not_done_at_once(language, says):
+    _, sure, _ = understood("apartment", says, language)
+    assert not sure
+
+
+@pytest.mark.parametrize(
+    "says", ["turn left, don't go to the kitchen", "don't go to the kitchen, turn left"]
+)
+def test_a_denial_beside_an_order_leaves_nothing_silently(says):
+    _, _, said = understood("apartment", says)
+    assert said != "All right, I leave it."

@@ -23,6 +23,7 @@ from edgevox.agent.nlu.evidence import QUESTION_MARKS
 from edgevox.agent.nlu.judging import Readings
 from edgevox.agent.nlu.lexicon import Lexicon, plain, words_of
 from edgevox.agent.nlu.meaning import BACK, IT, RESUME, THE_OTHER
+from edgevox.agent.nlu.questions import is_about_hearer
 from edgevox.agent.skills import Call
 from edgevox.agent.stop.words import find_stop_word
 from edgevox.core.languages import LANGUAGES
@@ -194,6 +195,21 @@ class ClauseReader:
         }
         return tuple(one for one in calls if left.isdisjoint(map(str, one.arguments.values())))
 
+    def without_remarks(self, text: str) -> str:
+        """A text without the plain remarks before and behind the rest; empty if it has none."""
+        clauses = clauses_of(text, self._code)
+        if not 1 < len(clauses) <= MOST_CLAUSES:
+            return ""
+        kept = [one for one in clauses if not self._is_plain_remark(one)]
+        if not kept or (kept[0] == clauses[0] and kept[-1] == clauses[-1]):
+            return ""
+        return text[text.index(kept[0]) : text.rindex(kept[-1]) + len(kept[-1])]
+
+    def _is_plain_remark(self, clause: str) -> bool:
+        kind, likely = self._decider.asked(clause)
+        plainly = (kind == TALK and likely >= PLAINLY_ASKED) or self._readings.is_filler(clause)
+        return plainly and self._is_remark(clause, opens=True, least=0.0)
+
     def _clauses(self, text: str, more: tuple[str, ...]) -> Sequence[str]:
         parted = clauses_of(text, self._code, more)
         return [_unjoined(one, self._joints, self._code) for one in parted]
@@ -282,9 +298,17 @@ class ClauseReader:
         "Back up, I'd say, 30 centimetres".
         """
         bare = not any(call.arguments for call in read.calls)
-        adds = bare and self._readings.is_amount(clause)
-        plain = self._plain(f"{before} {clause}") if adds else None
-        return plain if plain and plain.calls else None
+        if not bare or not self._readings.is_amount(clause):
+            return None
+        whole = f"{before} {clause}"
+        plain = self._plain(whole)
+        if plain is not None:
+            return plain if plain.calls else None
+        found = self._read_or_guessed(whole)
+        if found is None or not any(one.arguments for one in found.calls):
+            return None
+        same = [one.skill for one in found.calls] == [one.skill for one in read.calls]
+        return found if same else None
 
     def _is_remark(self, clause: str, *, opens: bool, least: float = LIKELY_TALK) -> bool:
         """True if it asks for nothing and changes nothing of what is asked beside it.
@@ -296,6 +320,7 @@ class ClauseReader:
         kind, likely = self._decider.asked(clause)
         talks = kind == TALK and likely >= least
         plainly = talks and not least and likely >= PLAINLY_ASKED
+        plainly = plainly and not is_about_hearer(clause, self._code)
         plainly = plainly and self._decider.denied(clause) < LIKELY_DENIED
         small = self._readings.is_reason(clause) or self._readings.is_urge(clause)
         if kind in GUESSES and likely >= LIKELY_MORE and not small:
@@ -336,7 +361,13 @@ class ClauseReader:
         return bool(another) and len(calls) == 1 and calls[0].skill in _GUESSED
 
     def _is_part(self, clause: str, skills: Collection[str]) -> bool:
-        """True if a clause says something of the calls of these skills, in known words."""
+        """True if a clause says something of the calls of these skills, in known words.
+
+        "3 metres is too much" does not.
+        """
+        kind, likely = self._decider.asked(clause)
+        if kind == TALK and likely >= LIKELY_TALK and self._readings.has_number(clause):
+            return False
         return self._is_filler(clause) or self._readings.is_known(clause, skills)
 
     def _is_filler(self, clause: str) -> bool:

@@ -13,9 +13,9 @@ from edgevox.agent.skills import Call
 _MOST_READ = 128
 """Number of texts whose features a decider keeps: those of a few sentences and their clauses."""
 
-NOT_NOW, PERHAPS_NOT_NOW = 0.05, 0.3
-"""Likelihoods of an order for now below which it is neither done nor asked about, and below which
-it is asked about."""
+NOT_NOW, PERHAPS_NOT_NOW, LIKELY_NOW = 0.05, 0.3, 0.5
+"""Likelihoods of an order for now below which it is neither done nor asked about, below which what
+hardly says a motion is none, and from which on it may be done at once."""
 
 NOW, LEAVES, DENIED = "now", "leave", "denied"
 """The kinds of words for now, of those that want the robot out of a place, and of denials."""
@@ -75,7 +75,7 @@ class Decider:
         if now < NOT_NOW:
             return None
         talks = bool(judged.evidence["moves"]) and order < 0 and self._is_talk(text)
-        if _is_doubtful(judged, order) or now < PERHAPS_NOT_NOW or talks:
+        if _is_doubtful(judged, order) or now < LIKELY_NOW or talks:
             confidence = min(confidence, _DOUBTFUL)
         return Decision(judged.reading.calls, confidence) if confidence >= ASK_FROM else None
 

@@ -72,6 +72,7 @@ from edgevox.agent.phrases.load import ENGLISH
 from edgevox.agent.phrases.own_names import phrasebook_of
 from edgevox.agent.phrases.phrasebook import Phrasebook
 from edgevox.agent.skills import Call, Skill, SkillSet
+from edgevox.agent.stop.words import find_stop_word
 from edgevox.agent.turn import Turn
 from edgevox.core.agent_events import HandedOver
 from edgevox.core.bus import Bus
@@ -214,10 +215,14 @@ class Interpreter:
         return plain.heard(0.0) if isinstance(plain, Meaning) else None
 
     def _program(self, said: str, text: str) -> tuple[Read, bool]:
-        """The program in what was said, or in its text without false starts."""
+        """The program in what was said, in its text without false starts, or without remarks."""
         found = self._programs.understand(said, self._plain_calls, self._free_calls)
         if text != said and not isinstance(found[0], Program):  # as said: it may hold words to say
             found = self._programs.understand(text, self._plain_calls, self._free_calls)
+        clauses = None if isinstance(found[0], Program) else self._clause_reader(self.active)
+        if clauses and (rest := clauses.without_remarks(text)):
+            program, _ = self._programs.understand(rest, self._plain_calls, self._free_calls)
+            return (program, False) if isinstance(program, Program) else found
         return found
 
     def _judged(self, text: str, turn: Turn, *, refused: bool) -> Meaning | None:
@@ -245,7 +250,10 @@ class Interpreter:
         if meaning is None or clauses is None:
             return meaning
         calls = clauses.without_left(text, meaning.calls)
-        return replace(meaning, calls=calls) if calls else None
+        if calls == meaning.calls:
+            return meaning
+        sure = min(meaning.confidence, ASK_FROM)
+        return replace(meaning, calls=calls, confidence=sure) if calls else None
 
     def _apart(self, text: str) -> Meaning | None:
         """The motions that the clauses of a text order; what is guessed of them is asked about."""
@@ -718,7 +726,8 @@ class Interpreter:
 
     def _say_not_understood(self, text: str, turn: Turn) -> None:
         """Say that the robot leaves, or does not do that, has no answer, or did not understand."""
-        if self.denies_motion(text):
+        alone = len(clauses_of(text, self._code, self.phrases.hearing.joints)) == 1
+        if alone and not find_stop_word(self._code, text) and self.denies_motion(text):
             turn.say(self.phrases.say("left_undone"))
             return
         told, can = not_understood(self.phrases, self._every_skill())

@@ -223,13 +223,14 @@ class Readings:
         """True if no word of a clause counts, names, conditions, corrects or puts off anything.
 
         A clause that `may_deny` may hold a denial, but no word of a motion then. One that `opens`
-        a text has nothing before it to correct: "sorry, ...". One that is `plainly` talk may count,
-        name and deny: "I was in the kitchen".
+        a text has nothing before it to correct: "sorry, ...". One that is `plainly` talk may name
+        and deny ("I was in the kitchen"), and report unless it opens: "Anna said, ...".
         """
         self._renew()
         for lexicon, _ in self._readers:
             words, answers = lexicon.function_words, lexicon.book.answers
-            against = (*words.reversals, *words.put_off, *words.reports, *words.bounds)
+            reports = () if plainly and not opens else words.reports
+            against = (*words.reversals, *words.put_off, *reports, *words.bounds)
             tokens = _tokens(text, lexicon)
             conditions = lexicon.as_written(words.conditions).starts(tokens)
             if next(lexicon.as_written(against).find(tokens), None):
@@ -238,9 +239,11 @@ class Readings:
                 return False
             if not opens and lexicon.index(words.corrections).starts(tokens) & {0, 1}:
                 return False
+            if any(map(is_number, tokens)):
+                return False
             if plainly:
                 continue
-            if any(map(is_number, tokens)) or find_names(lexicon, tokens):
+            if find_names(lexicon, tokens):
                 return False
             denying = (*words.negations, *answers.not_, *answers.no)
             denied = bool(lexicon.index(denying).starts(tokens))

@@ -64,6 +64,7 @@ class CallReader:
             (*words.fillers, *words.urges, *words.little, *joints, *words.corrections)
         )
         self._negations = lexicon.index(words.negations)
+        self._denying = {one for some in map(lexicon.phrase, words.negations) for one in some}
         self._corrections = lexicon.index(words.corrections)
         denials = () if lexicon.book.hearing.denials_follow else lexicon.book.answers.not_
         self._denials = lexicon.index(denials)
@@ -88,11 +89,11 @@ class CallReader:
             for one in _as_written(find_names(self._lexicon, tokens), tokens, written)
             if one.start not in joining and not self._is_article(tokens, one)
         ]
-        names, left, denied = self._take_back(tokens, said)
-        ambiguous = bool(left) or any(
+        names, unsure, denied = self._take_back(tokens, said)
+        ambiguous = unsure or any(
             self._denials.places(tokens).intersection(range(one.end, other.start))
             for one, other in itertools.pairwise(said)
-            if one not in names and one not in left
+            if one not in names
         )
         counted = self._numbers(tokens, said)
         numbers = self._corrected(tokens, counted)
@@ -188,14 +189,9 @@ class CallReader:
         )
 
     def _numbers(self, tokens: Words, names: Sequence[Name]) -> list[Number]:
-        """The numbers that are no part of a name: "the red one", "the left one"."""
+        """The numbers that are no part of a name: "the red one"."""
         named = {at for one in names for at in range(one.start, one.end)}
-        ends = {one.end for one in names}
-        return [
-            one
-            for one in find_numbers(tokens, self._linking)
-            if not (one.start in named or (one.value == 1 and not one.unit and one.start in ends))
-        ]
+        return [one for one in find_numbers(tokens, self._linking) if one.start not in named]
 
     def _is_article(self, tokens: Words, one: Name) -> bool:
         """True if the name is an article here, a word that elsewhere means "it"."""
@@ -205,45 +201,54 @@ class CallReader:
         common = {i for i, token in enumerate(tokens) if token in self._lexicon.common}
         return self._filling.places(tokens) | common
 
-    def _take_back(
-        self, tokens: Words, names: Sequence[Name]
-    ) -> tuple[list[Name], list[Name], bool]:
-        """The names that were not taken back, those that were left out, and whether one is denied.
+    def _take_back(self, tokens: Words, names: Sequence[Name]) -> tuple[list[Name], bool, bool]:
+        """The names that were not taken back, whether that may be wrong, and a denial.
 
         "The office, no, the bedroom" takes back the first, "not the office" behind another one
-        leaves it out.
+        leaves it out. What is denied before a name, or left out, may have been meant otherwise.
         """
         denied = self._negations.places(tokens) - self._courtesies.places(tokens)
         correcting = self._correcting(tokens)
-        kept, left = list(names), list[Name]()
+        kept, unsure = list(names), False
         allowed: set[int] = set()
         for first, second in itertools.pairwise(names):
             if first not in kept or first.values.keys().isdisjoint(second.values.keys()):
                 continue
             between = range(first.end, second.start)
-            opening = set(range(max(0, first.start - 3), first.start))
-            if any(is_mark(tokens[at]) for at in between) and self._moves(tokens, between):
-                opening |= self._said_before(tokens, first)
+            opening = self._opening_of(tokens, first, between)
             before = opening & (denied - allowed)
             if second is names[-1] and self._leaves_out(tokens, between):
                 kept.remove(second)
-                left.append(second)
                 allowed |= set(between)
+                unsure = True
                 continue
             if self._denies_behind(tokens, between):
-                return kept, left, True
+                return kept, unsure, True
             if before and self._denies_both(tokens, between, denied - correcting):
-                return kept, left, True
+                return kept, unsure, True
             if correcting.intersection(between) or before:
                 kept.remove(first)
                 allowed |= opening | {*range(first.start, second.start)}
-        return kept, left, bool(denied - allowed)
+                unsure = unsure or bool(before)
+        return kept, unsure, bool(denied - allowed)
 
-    def _said_before(self, tokens: Words, name: Name) -> set[int]:
-        """The places of the small words and the verb before a name: "do not go to the"."""
+    def _opening_of(self, tokens: Words, name: Name, behind: range) -> set[int]:
+        """The places of the words before a name that may deny it.
+
+        Those are three, or the whole of "do not go to the", if a motion of another clause follows
+        the name and no word joins it: "..., go to the office".
+        """
+        near = set(range(max(0, name.start - 3), name.start))
+        joined = self._joints.places(tokens).intersection(behind)
+        if (
+            joined
+            or not any(is_mark(tokens[at]) for at in behind)
+            or not self._moves(tokens, behind)
+        ):
+            return near
         backwards = range(name.start - 1, -1, -1)
         start = next((at for at in backwards if not self._is_small(tokens[at])), -1) + 1
-        return {*range(start, name.start)}
+        return near | {*range(start, name.start)}
 
     def _moves(self, tokens: Words, places: range) -> bool:
         """True if a word here urges to move, or speaks for a motion."""
@@ -254,11 +259,9 @@ class CallReader:
 
     def _is_small(self, word: str) -> bool:
         """True for a word that denies, fills, or speaks for a motion."""
-        functions = self._lexicon.function_words
-        denials = {one for some in map(self._lexicon.phrase, functions.negations) for one in some}
         return (
-            word in denials
-            or word in functions.fillers
+            word in self._denying
+            or word in self._lexicon.function_words.fillers
             or word in self._lexicon.common
             or speaks_of_motion(word, self._lexicon)
         )
@@ -350,7 +353,8 @@ class CallReader:
     ) -> bool:
         """True if the first of two motions is taken back: "not left, right", "left, no, right".
 
-        A correction before the last of its `values` takes back another value: "blue, no, red".
+        A correction before the last of its `values` takes back another value: "blue, no, red". One
+        that denies as well does so without a mark behind it: "izquierda, no a la derecha".
         """
         if len(parts) != 2 or not all(self._lexicon.skills[p.call.skill].drives for p in parts):
             return False
@@ -363,8 +367,13 @@ class CallReader:
         said = max((at for at in values if first.start <= at < first.end), default=first.start)
         between = range(said + 1, second.start + 2)
         starts = self._corrections.starts(tokens) & self._correcting(tokens)
-        corrected = bool(starts.intersection(between))
-        return corrected and first.call.skill != second.call.skill
+        denying = denied | self._denials.places(tokens)
+        corrected = {
+            at
+            for at in starts.intersection(between)
+            if at not in denying or is_mark(tokens[at + 1 : at + 2][0] if tokens[at + 1 :] else ",")
+        }
+        return bool(corrected) and first.call.skill != second.call.skill
 
     def _ordered(
         self, parts: tuple[ClauseReading, ...], tokens: Words

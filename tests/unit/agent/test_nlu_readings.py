@@ -89,7 +89,7 @@ def test_what_may_deny_all_of_it_is_held_back(text: str) -> None:
 
 def test_the_one_of_a_thing_is_no_number() -> None:
     put = Call("place", {"object": "green_cube", "target": "right_bin"})
-    assert calls("panda", "stick the green one in the right one") == [put]
+    assert calls("panda", "stick the green one in the right bin") == [put]
     assert calls("panda", "stick the green one 1 metre into the right bin") == []
 
 
