@@ -143,6 +143,10 @@ BENCHMARKS: Mapping[str, Benchmark] = {
         "benchmarks.agent.own_words",
         "orders in people's own words, as a language model wrote them: done, asked about, or not",
     ),
+    "strangers": Benchmark(
+        "benchmarks.agent.strangers",
+        "conversations of written strangers, turn by turn: answered well, poorly or wrongly",
+    ),
     "restraint": Benchmark(
         "benchmarks.agent.restraint",
         "sentences that must not move a robot at once, or only so, and that must stop it",
