@@ -405,6 +405,9 @@ def test_a_part_of_what_was_done_before_is_no_turn_around(says):
         ("pt", "vira à esquerda, não à direita", Call("turn_left", {})),
         ("pl", "skręć w lewo, nie w prawo", Call("turn_left", {})),
         ("id", "belok kiri, bukan kanan", Call("turn_left", {})),
+        ("es", "gira a la izquierda, perdón no a la derecha", Call("turn_left", {})),
+        ("ru", "поверни налево, точнее не направо", Call("turn_left", {})),
+        ("en", "turn right, sorry not left", Call("turn_right", {})),
         ("fr", "va à la cuisine plutôt qu'au bureau", Call("navigate_to", {"room": "kitchen"})),
     ],
 )
@@ -423,6 +426,9 @@ def test_what_is_denied_behind_an_order_is_not_done(language, says, call):
         ("en", "go to the kitchen 1"),
         ("es", "no ve a la cocina, luego ve al despacho"),
         ("pt", "não vai para a cozinha, depois vai para o escritório"),
+        ("en", "drive back and forward, let's say, 2 metres"),
+        ("es", "ve a la cocina, pero no al despacho"),
+        ("de", "fahr vorwärts, sag ich mal, 2 Meter"),
         ("nl", "vergeet niet naar de keuken te gaan, ga dan naar het kantoor"),
         ("zh", "等客人都走了，你就去厨房。"),
     ],
@@ -430,6 +436,25 @@ def test_what_is_denied_behind_an_order_is_not_done(language, says, call):
 def test_what_may_mean_another_order_is_not_done_at_once(language, says):
     _, sure, _ = understood("apartment", says, language)
     assert not sure
+
+
+@pytest.mark.parametrize(
+    "says",
+    [
+        "you must not, in ten minutes go to the kitchen",
+        "in ten minutes go to the kitchen, don't you dare",
+        "in ten minutes go to the kitchen, or maybe not",
+        "in ten minutes go to the kitchen, sorry, I was talking to Anna",
+    ],
+)
+def test_what_is_said_around_an_order_for_later_may_hold_it_back(says):
+    calls, _, _ = understood("apartment", says)
+    assert not calls
+
+
+def test_a_remark_beside_an_order_for_later_is_left_out_and_it_is_asked_about():
+    calls, sure, _ = understood("apartment", "I'm tired, in ten minutes go to the bedroom")
+    assert (calls, sure) == ([Call("navigate_to", {"room": "bedroom"})], False)
 
 
 @pytest.mark.parametrize(

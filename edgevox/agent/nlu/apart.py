@@ -141,10 +141,11 @@ class ClauseReader:
     def apart(self, text: str) -> Clause | None:
         """The calls of a text's clauses, one after another; None if one is no order or remark.
 
-        Of several none may be a guess without an amount or a place. They are sure if templates read
-        all of them, no remark is left out, each but the last says its amount or place, and none is
-        that before once more: "forward, back one metre" and "two metres, three metres" may take the
-        first one back. Else all of them may mean one call: "come along, we are in the kitchen".
+        Of several none may be a guess, unless plainly asked for with a value. They are sure if
+        templates read all of them, no remark is left out, each but the last says its amount or
+        place, and none is that before once more: "forward, back one metre" and "two metres, three
+        metres" may take the first one back. Else all of them may mean one call: "come along, we are
+        in the kitchen".
         """
         results = words_of(self._code).results
         parted = [self._clauses(text, more) for more in ((), results, (*results, *self._joints))]
@@ -166,7 +167,7 @@ class ClauseReader:
             if len(clauses) > 1 and any(not corrected or named(one) for one in asked):
                 return Rest.ORDER
         clauses = clauses_of(text, self._code)
-        if len(clauses) == 1 and self._asks_another(text, calls):
+        if self._asks_another(text, calls, LIKELY_TALK if len(clauses) == 1 else LIKELY_MORE):
             return Rest.UNCLEAR
         if corrected or len(clauses) == 1:
             return Rest.NOTHING
@@ -200,15 +201,27 @@ class ClauseReader:
         clauses = clauses_of(text, self._code)
         if not 1 < len(clauses) <= MOST_CLAUSES:
             return ""
-        kept = [one for one in clauses if not self._is_plain_remark(one)]
-        if not kept or (kept[0] == clauses[0] and kept[-1] == clauses[-1]):
+        kept = [at for at, one in enumerate(clauses) if not self._is_plain_remark(one)]
+        if not kept or (kept[0] == 0 and kept[-1] == len(clauses) - 1):
             return ""
-        return text[text.index(kept[0]) : text.rindex(kept[-1]) + len(kept[-1])]
+        behind = clauses[kept[-1] + 1 :]
+        if not all(self._is_plain_remark(one, opens=False) for one in behind):
+            return ""
+        first, last = clauses[kept[0]], clauses[kept[-1]]
+        return text[text.index(first) : text.rindex(last) + len(last)]
 
-    def _is_plain_remark(self, clause: str) -> bool:
+    def _is_plain_remark(self, clause: str, *, opens: bool = True) -> bool:
+        """True for plain talk that denies, names, counts, conditions and reports nothing."""
         kind, likely = self._decider.asked(clause)
-        plainly = (kind == TALK and likely >= PLAINLY_ASKED) or self._readings.is_filler(clause)
-        return plainly and self._is_remark(clause, opens=True, least=0.0)
+        plainly = (kind == TALK and likely >= PLAINLY_ASKED) or self._is_filler(clause)
+        return (
+            plainly
+            and not self._readings.is_bound(clause)
+            and not self._decider.puts_off(clause)
+            and self._decider.denied(clause) < LIKELY_DENIED
+            and not self._cannot(clause)
+            and self._readings.is_aside(clause, may_deny=False, opens=opens)
+        )
 
     def _clauses(self, text: str, more: tuple[str, ...]) -> Sequence[str]:
         parted = clauses_of(text, self._code, more)
@@ -228,8 +241,7 @@ class ClauseReader:
             elif not (self._is_remark(one, opens=not found, least=0.0) or self._denies(one, found)):
                 return None
         calls = tuple(call for one in found for call in one.calls)
-        bare = (one for one in found if one.guessed and not all(o.arguments for o in one.calls))
-        if not calls or (len(found) > 1 and any(bare)):
+        if not calls or (len(found) > 1 and any(one.guessed for one in found)):
             return None
         told = all(call.arguments for call in calls[:-1])
         again = any(one.skill == other.skill for one, other in pairwise(calls))
@@ -265,7 +277,8 @@ class ClauseReader:
         asked = likely >= LIKELY_ASKED and not small
         call = self._whole(clause, kind, plainly=likely >= PLAINLY_ASKED) if asked else None
         if call and (call.arguments or likely >= LIKELY_ALONE):
-            return Clause((call,), sure=False, guessed=True)
+            told = bool(call.arguments) and likely >= PLAINLY_ASKED
+            return Clause((call,), sure=False, guessed=not told)
         return Clause(decision.calls, sure=False, guessed=True) if decision else None
 
     def _as_one(self, text: str, clauses: Sequence[str]) -> Clause | None:
@@ -278,6 +291,9 @@ class ClauseReader:
         for clause in clauses:
             other, sure = self._decider.asked(clause)
             more = other not in (kind, TALK) and sure >= LIKELY_TALK
+            said = self._plain(clause)
+            skills = [one.skill for one in said.calls] if said else []
+            more = more or any(one not in GUESSES.get(kind, ()) for one in skills)
             more = more or bool(self._readings.unknown_place(clause))
             if more or self._cannot(clause) or self._decider.leaves(clause):
                 return None
@@ -304,7 +320,8 @@ class ClauseReader:
         plain = self._plain(whole)
         if plain is not None:
             return plain if plain.calls else None
-        found = self._read_or_guessed(whole)
+        parts = self._clauses(before, (*words_of(self._code).results, *self._joints))
+        found = self._read_or_guessed(whole) if len(parts) == 1 else None
         if found is None or not any(one.arguments for one in found.calls):
             return None
         same = [one.skill for one in found.calls] == [one.skill for one in read.calls]
@@ -353,11 +370,11 @@ class ClauseReader:
         small = self._readings.is_filler(clause) and not self._is_filler(clause)
         return bool(names) and (likely >= LIKELY_MORE or small) and skills.isdisjoint(names)
 
-    def _asks_another(self, clause: str, calls: Sequence[Call]) -> bool:
-        """True if a clause rather asks for another motion: "drive back forward a metre"."""
-        kind, likely = self._decider.asked(clause)
+    def _asks_another(self, text: str, calls: Sequence[Call], least: float) -> bool:
+        """True if a text rather asks for another motion: "drive back forward a metre"."""
+        kind, likely = self._decider.asked(text)
         names = {*GUESSES.get(kind, ())} & self._readings.skills
-        another = names and likely >= LIKELY_TALK and names.isdisjoint(o.skill for o in calls)
+        another = names and likely >= least and names.isdisjoint(o.skill for o in calls)
         return bool(another) and len(calls) == 1 and calls[0].skill in _GUESSED
 
     def _is_part(self, clause: str, skills: Collection[str]) -> bool:

@@ -73,6 +73,7 @@ from edgevox.agent.phrases.own_names import phrasebook_of
 from edgevox.agent.phrases.phrasebook import Phrasebook
 from edgevox.agent.skills import Call, Skill, SkillSet
 from edgevox.agent.stop.words import find_stop_word
+from edgevox.agent.text.spelling import key
 from edgevox.agent.turn import Turn
 from edgevox.core.agent_events import HandedOver
 from edgevox.core.bus import Bus
@@ -726,7 +727,9 @@ class Interpreter:
 
     def _say_not_understood(self, text: str, turn: Turn) -> None:
         """Say that the robot leaves, or does not do that, has no answer, or did not understand."""
-        alone = len(clauses_of(text, self._code, self.phrases.hearing.joints)) == 1
+        parted = clauses_of(text, self._code, self.phrases.hearing.joints)
+        readings, no = self._readings[self.active.name], {key(o) for o in self.phrases.answers.no}
+        alone = sum(not (readings.is_filler(o) or key(o) in no) for o in parted) == 1
         if alone and not find_stop_word(self._code, text) and self.denies_motion(text):
             turn.say(self.phrases.say("left_undone"))
             return

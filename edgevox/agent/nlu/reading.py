@@ -222,7 +222,7 @@ class CallReader:
                 allowed |= set(between)
                 unsure = True
                 continue
-            if self._denies_behind(tokens, between):
+            if self._denies_behind(tokens, between) or self._denies_next(tokens, between):
                 return kept, unsure, True
             if before and self._denies_both(tokens, between, denied - correcting):
                 return kept, unsure, True
@@ -288,13 +288,19 @@ class CallReader:
         long = (range(at, at + len(one)) for at, one in found if len(one) > 1)
         return self._corrections.places(tokens).difference(*long)
 
+    def _denies_next(self, tokens: Words, between: range) -> bool:
+        """True if a word that only denies stands right before the second of two names."""
+        said = self._contrasts.places(tokens).intersection(between)
+        behind = range(max(said, default=between.stop) + 1, between.stop)
+        return bool(said) and self._filling.places(tokens).issuperset(behind)
+
     def _denies_behind(self, tokens: Words, between: range) -> bool:
         """True if a "not" between two names denies the second: "a la cocina, no al despacho"."""
         said = self._denials.places(tokens).intersection(between)
         marks = {at for at in between if is_mark(tokens[at])}
         parted = marks | self._joints.places(tokens)
         first = min(said, default=0)
-        opens = not parted.isdisjoint((first - 1, first))
+        opens = not parted.isdisjoint(range(between.start, first + 1))
         return bool(said) and opens and max(said) > max(marks, default=-1)
 
     def _denies_both(self, tokens: Words, between: range, denied: frozenset[int]) -> bool:
@@ -353,8 +359,9 @@ class CallReader:
     ) -> bool:
         """True if the first of two motions is taken back: "not left, right", "left, no, right".
 
-        A correction before the last of its `values` takes back another value: "blue, no, red". One
-        that denies as well does so without a mark behind it: "izquierda, no a la derecha".
+        A correction before the last of its `values` takes back another value: "blue, no, red". A
+        denial from there on, without a mark behind it, denies the second: "izquierda, no a la
+        derecha", "left, sorry, not right".
         """
         if len(parts) != 2 or not all(self._lexicon.skills[p.call.skill].drives for p in parts):
             return False
@@ -367,12 +374,11 @@ class CallReader:
         said = max((at for at in values if first.start <= at < first.end), default=first.start)
         between = range(said + 1, second.start + 2)
         starts = self._corrections.starts(tokens) & self._correcting(tokens)
+        corrected = starts.intersection(between)
         denying = denied | self._denials.places(tokens)
-        corrected = {
-            at
-            for at in starts.intersection(between)
-            if at not in denying or is_mark(tokens[at + 1 : at + 2][0] if tokens[at + 1 :] else ",")
-        }
+        behind = range(min(corrected, default=second.end), second.end - 1)
+        if any(at in denying and not is_mark(tokens[at + 1]) for at in behind):
+            return False
         return bool(corrected) and first.call.skill != second.call.skill
 
     def _ordered(
