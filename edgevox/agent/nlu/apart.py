@@ -137,6 +137,8 @@ class ClauseReader:
         self._cannot = cannot
         book = readings.lexicon.book
         self._code, self._joints = book.code, book.hearing.joints
+        self._results = words_of(book.code).results
+        self._joining = (*self._results, *self._joints)
 
     def apart(self, text: str) -> Clause | None:
         """The calls of a text's clauses, one after another; None if one is no order or remark.
@@ -147,8 +149,7 @@ class ClauseReader:
         metres" may take the first one back. Else all of them may mean one call: "come along, we are
         in the kitchen".
         """
-        results = words_of(self._code).results
-        parted = [self._clauses(text, more) for more in ((), results, (*results, *self._joints))]
+        parted = [self._clauses(text, more) for more in ((), self._results, self._joining)]
         found = next(filter(None, map(self._in_order, parted)), None)
         return found or self._as_one(text, parted[-1])
 
@@ -158,8 +159,7 @@ class ClauseReader:
         A `corrected` text may hold words that it takes back: "not left", but not "take the blue
         cube".
         """
-        results = words_of(self._code).results
-        for clauses in (self._clauses(text, more) for more in ((), (*results, *self._joints))):
+        for clauses in (self._clauses(text, more) for more in ((), self._joining)):
             if len(clauses) > MOST_CLAUSES:
                 return Rest.UNCLEAR
             asked = (one for one in clauses if self._orders_more(one, calls))
@@ -186,7 +186,7 @@ class ClauseReader:
             return calls
         if len(calls) == 1 and self._decider.leaves(text):
             return ()
-        parted = clauses_of(text, self._code, (*words_of(self._code).results, *self._joints))
+        parted = clauses_of(text, self._code, self._joining)
         named = ((one, self._readings.named_in(one)) for one in parted)
         left = {
             place
@@ -320,7 +320,7 @@ class ClauseReader:
         plain = self._plain(whole)
         if plain is not None:
             return plain if plain.calls else None
-        parts = self._clauses(before, (*words_of(self._code).results, *self._joints))
+        parts = self._clauses(before, self._joining)
         found = self._read_or_guessed(whole) if len(parts) == 1 else None
         if found is None or not any(one.arguments for one in found.calls):
             return None

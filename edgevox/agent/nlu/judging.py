@@ -235,7 +235,7 @@ class Readings:
             conditions = lexicon.as_written(words.conditions).starts(tokens)
             if next(lexicon.as_written(against).find(tokens), None):
                 return False
-            if conditions if not plainly else 0 in conditions:
+            if 0 in conditions or (conditions and not plainly):
                 return False
             if not opens and lexicon.index(words.corrections).starts(tokens) & {0, 1}:
                 return False

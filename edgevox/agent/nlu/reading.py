@@ -205,7 +205,7 @@ class CallReader:
         """The names that were not taken back, whether that may be wrong, and a denial.
 
         "The office, no, the bedroom" takes back the first, "not the office" behind another one
-        leaves it out. What is denied before a name, or left out, may have been meant otherwise.
+        leaves it out. It may be wrong where a denial stands before a name, or leaves one out.
         """
         denied = self._negations.places(tokens) - self._courtesies.places(tokens)
         correcting = self._correcting(tokens)
@@ -269,18 +269,13 @@ class CallReader:
     def _leaves_out(self, tokens: Words, between: range) -> bool:
         """True if what is between two names leaves the second out: "the office, not the bedroom".
 
-        Nothing but marks, joints and small words may stand there, and no word that may as well take
-        back the first: the "no" of "a la cocina no al despacho".
+        Only marks and joints may stand before the word that denies.
         """
-        said = self._contrasts.places(tokens).intersection(between)
+        if not self._denies_next(tokens, between):
+            return False
+        first = min(self._contrasts.places(tokens).intersection(between))
         parted = self._joints.places(tokens)
-        opening = [at for at in between if at < min(said, default=0)]
-        behind = [at for at in between if at > max(said, default=0)]
-        return (
-            bool(said)
-            and all(is_mark(tokens[at]) or at in parted for at in opening)
-            and self._filling.places(tokens).issuperset(behind)
-        )
+        return all(is_mark(tokens[at]) or at in parted for at in range(between.start, first))
 
     def _correcting(self, tokens: Words) -> frozenset[int]:
         """Where words correct what is before them: "instead", but not that of "instead of"."""
@@ -289,7 +284,11 @@ class CallReader:
         return self._corrections.places(tokens).difference(*long)
 
     def _denies_next(self, tokens: Words, between: range) -> bool:
-        """True if a word that only denies stands right before the second of two names."""
+        """True if a word that only denies stands right before the second of two names.
+
+        Small words may follow it. The "no" of "a la cocina no al despacho" may as well take back
+        the first.
+        """
         said = self._contrasts.places(tokens).intersection(between)
         behind = range(max(said, default=between.stop) + 1, between.stop)
         return bool(said) and self._filling.places(tokens).issuperset(behind)
