@@ -18,7 +18,8 @@ from corpus_sentences import Sentence, read_corpus
 from benchmarks.core.calibration import calibrated
 from benchmarks.core.figures import Figure, Measured, NotHere
 from edgevox.agent.nlu.decider import Decider
-from edgevox.agent.nlu.encoder import ENCODER, Encoder, Head, read_head
+from edgevox.agent.nlu.encoder import ENCODER, Encoder
+from edgevox.agent.nlu.head import Head, read_head
 from edgevox.agent.nlu.judging import Judged, Readings
 from edgevox.agent.nlu.meaning import ASK_FROM, SURE_FROM, Program, calls_of
 from edgevox.agent.nlu.order_reader import Plain, ProgramReader

@@ -41,14 +41,11 @@ FORWARD, BACK = "walk_forward", "walk_backward"
 @pytest.mark.parametrize(
     ("robot", "says", "call"),
     [
-        ("humanoid", "Back up 40 cm, you're blocking the trolley.", Call(BACK, {"distance": 0.4})),
         (
             "humanoid",
             "Walk forward half a metre, don't be shy, I don't bite.",
             Call(FORWARD, {"distance": 0.5}),
         ),
-        ("apartment", "the guests are waiting, so off to the office with you",
-         Call("navigate_to", {"room": "office"})),
         ("apartment", "clear out to the office", Call("navigate_to", {"room": "office"})),
         ("panda", "pinch the green cube between your fingers",
          Call("grasp", {"object": "green_cube"})),
@@ -65,6 +62,44 @@ FORWARD, BACK = "walk_forward", "walk_backward"
 )  # fmt: skip
 def test_an_order_beside_a_remark_or_in_unknown_words_is_asked_about(robot, says, call):
     calls, sure, _ = understood(robot, says)
+    assert (calls, sure) == ([call], False)
+
+
+@pytest.mark.parametrize(
+    ("robot", "says", "call"),
+    [
+        ("humanoid", "Back up 40 cm, you're blocking the trolley.", Call(BACK, {"distance": 0.4})),
+        ("apartment", "the guests are waiting, so off to the office with you",
+         Call("navigate_to", {"room": "office"})),
+    ],
+)  # fmt: skip
+def test_a_plain_order_beside_a_plain_remark_is_done(robot, says, call):
+    calls, sure, _ = understood(robot, says)
+    assert (calls, sure) == ([call], True)
+
+
+@pytest.mark.parametrize(
+    ("robot", "says"),
+    [
+        ("apartment", "I'm talking to the dog: turn around!"),
+        ("apartment", "drive forward a metre, that's what I told the other robot"),
+        ("apartment", "the lab is closed, so go to the office if they let you in"),
+    ],
+)
+def test_a_plain_order_beside_what_changes_it_is_not(robot, says):
+    assert not understood(robot, says)[1]
+
+
+@pytest.mark.parametrize(
+    ("says", "call"),
+    [
+        ("okay now look over towards the kitchen please",
+         Call("turn_towards", {"room": "kitchen"})),
+        ("you may strike the bedroom off your map now", Call("forget_place", {"room": "bedroom"})),
+    ],
+)  # fmt: skip
+def test_what_turns_towards_or_forgets_a_place_is_asked_about(says, call):
+    calls, sure, _ = understood("apartment", says)
     assert (calls, sure) == ([call], False)
 
 

@@ -10,7 +10,8 @@ from corpus_robots import is_right, skills_of_robots
 from corpus_sentences import Sentence, held_out, read_corpus, tuning
 
 from edgevox.agent.nlu.decider import Decider, Decision
-from edgevox.agent.nlu.encoder import ENCODER, Encoder, read_head
+from edgevox.agent.nlu.encoder import ENCODER, Encoder
+from edgevox.agent.nlu.head import read_head
 from edgevox.agent.nlu.judging import Readings
 from edgevox.agent.nlu.meaning import SURE_FROM
 from edgevox.agent.nlu.small_talk import CHATS

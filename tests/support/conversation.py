@@ -13,7 +13,7 @@ from edgevox.agent.agents import Agent
 from edgevox.agent.conversation import Conversation
 from edgevox.agent.known import Known
 from edgevox.agent.nlu.decider import Decider
-from edgevox.agent.nlu.encoder import KindHead, read_head
+from edgevox.agent.nlu.head import KindHead, read_head
 from edgevox.agent.nlu.meaning import ASK_FROM, Meaning
 from edgevox.agent.policy import Guard
 from edgevox.agent.skills import Call, Skill, SkillSet

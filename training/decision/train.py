@@ -1,57 +1,35 @@
-"""Train the head that tells orders from everything else that is said: `edgevox/agent/nlu/head.npz`.
+"""Train the rest of the head, `edgevox/agent/nlu/head.npz`, once `adapter.py` is done.
 
-Reads the tuning half of `tests/corpus`, and `sentences.yaml` and `cases` beside it that were
-written for it; nothing of the half that is held out. Three
-logistic regressions, by Newton's method, so that every run gives the same file. The second one
-learns from likelihoods of the first one that never saw the sentence. The third one learns from
-`questions.yaml` what a language model may answer. A multinomial regression learns the kinds of
-small talk from `small_talk.yaml`; others learn what a robot is asked to do from `asked`, what it is
-asked to tell from `told`, and from `meant` whether words about a motion want it now.
+Three logistic regressions, by Newton's method, so that every run gives the same file. One tells
+orders from everything else that is said, by the tuning half of `tests/corpus`, and by
+`sentences.yaml` and `cases` that were written for it; nothing of the half that is held out. The
+second one judges readings; it learns from likelihoods of the first one that never saw the sentence.
+The third one learns from `questions.yaml` what a language model may answer.
 
     python -m training.decision.train [FILE]
-    python -m training.decision.train --talk     # only the last ones, in the file as it is
 """
 
 import sys
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-import yaml
-from scipy.optimize import minimize
-
-ROOT = Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(ROOT / "tests"))
-
 from corpus_robots import is_right, skills_of_robots
-from corpus_sentences import ROBOTS, Sentence, read_corpus, tuning
+from corpus_sentences import ROBOTS, Sentence
 
-from edgevox.agent.nlu.decider import NOW
-from edgevox.agent.nlu.encoder import ENCODER, HEAD_FILE, Encoder, Floats
+from edgevox.agent.nlu.encoder import ENCODER, Encoder, Floats
 from edgevox.agent.nlu.judging import Readings
 from edgevox.agent.nlu.templates import Recogniser
 from edgevox.agent.stop.words import SafetyWords
 from edgevox.models import locate
+from training.decision.kinds import general_sentences, more_sentences, sentences, write_head
 
-HEAD = ROOT / "edgevox" / "agent" / "nlu" / HEAD_FILE
-MORE = Path(__file__).with_name("sentences.yaml")
-QUESTIONS = Path(__file__).with_name("questions.yaml")
-SMALL_TALK = Path(__file__).with_name("small_talk.yaml")
-ASKED, TOLD, MEANT = (Path(__file__).with_name(one) for one in ("asked", "told", "meant"))
-NO_TALK = "none"
-"""Sentences that are no small talk, or ask to tell nothing that a skill does."""
-TALK_WEIGHT = 3.0
-"""How much more a sentence of small talk counts than another one, of which there are more."""
-TALKS = ("small talk", "praise", "insults", "jokes", "feelings", "complaints", "permission",
-         "religion", "questions about the robot", "weather")  # fmt: skip
-"""Categories of the corpus that may hold small talk, and are no counter-example of it."""
-CASES = Path(__file__).with_name("cases")
 FOLDS = 10
 ORDER_PENALTY, PENALTY = 30.0, 1.0
 BEYOND = ("beyond", "exist", "not there", "cannot do", "no skill answers", "to others")
 """Categories of others that are orders or questions to a robot, of what it cannot do."""
-ASK_LIKELIHOOD, SURE_LIKELIHOOD = 0.5, 0.9
+ASK_LIKELIHOOD, SURE_LIKELIHOOD = 0.5, 0.93
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,12 +42,6 @@ class Case:
     weight: float
     held_back: bool
     note: str
-
-
-def more_sentences() -> list[tuple[str, bool]]:
-    """Sentences to and near machines of other kinds, and whether they are orders."""
-    data = yaml.safe_load(MORE.read_text(encoding="utf-8"))
-    return [(says, kind == "orders") for kind, several in data.items() for says in several]
 
 
 def cases_of(sentences: list[Sentence]) -> list[Case]:
@@ -126,12 +98,11 @@ def scores(values: Floats, found: Floats) -> Floats:
 
 def train(encoder: Encoder, show: bool = False) -> dict[str, object]:
     """The arrays of the head's file."""
-    sentences = [*tuning(), *read_corpus(CASES)]
-    more = more_sentences()
-    texts = [one.says for one in sentences] + [says for says, _ in more]
-    orders = np.array([one.is_command for one in sentences] + [order for _, order in more], float)
+    several, more = sentences(), more_sentences()
+    texts = [one.says for one in several] + [says for says, _ in more]
+    orders = np.array([one.is_command for one in several] + [order for _, order in more], float)
     beyond = np.array(
-        [not s.is_command and any(b in s.category for b in BEYOND) for s in sentences]
+        [not s.is_command and any(b in s.category for b in BEYOND) for s in several]
         + [False] * len(more)
     )
     raw = np.array([encoder.features(text) for text in texts], np.float64)
@@ -145,7 +116,7 @@ def train(encoder: Encoder, show: bool = False) -> dict[str, object]:
             features[fold == number], logistic(features[kept], orders[kept], ORDER_PENALTY)
         )
     whole = logistic(features[~beyond], orders[~beyond], ORDER_PENALTY)
-    cases = cases_of(sentences)
+    cases = cases_of(several)
     names = list(cases[0].evidence)
     values = np.array(
         [[*(float(one.evidence[n]) for n in names), unseen[one.sentence]] for one in cases]
@@ -176,10 +147,7 @@ def train(encoder: Encoder, show: bool = False) -> dict[str, object]:
 
 def train_general(encoder: Encoder) -> dict[str, object]:
     """The arrays of the regression that tells questions about the world in general."""
-    data = yaml.safe_load(QUESTIONS.read_text(encoding="utf-8"))
-    rows = [(says, kind == "general") for kind, several in data.items() for says in several]
-    talk = yaml.safe_load(SMALL_TALK.read_text(encoding="utf-8"))
-    rows += [(says, False) for kind, some in talk.items() if kind != NO_TALK for says in some]
+    rows = general_sentences()
     raw = np.array([encoder.features(says) for says, _ in rows], np.float64)
     mean, spread = raw.mean(0), raw.std(0) + 1e-6
     wanted = np.array([general for _, general in rows], float)
@@ -190,85 +158,6 @@ def train_general(encoder: Encoder) -> dict[str, object]:
         "general_weights": (found[:-1] / spread).astype(np.float32),
         "general_bias": np.float64(found[-1] - (found[:-1] * mean / spread).sum()),
     }
-
-
-def train_small_talk(encoder: Encoder) -> dict[str, object]:
-    """The arrays of the regression that tells kinds of small talk, and them from all else."""
-    kinds = yaml.safe_load(SMALL_TALK.read_text(encoding="utf-8"))
-    questions = yaml.safe_load(QUESTIONS.read_text(encoding="utf-8"))
-    others = [*questions["general"], *questions["state"]]
-    others += [one.says for one in tuning() if not one.category.startswith(TALKS)]
-    others += [*(says for says, _ in more_sentences()), *kinds.pop(NO_TALK)]
-    for folder, first in ((ASKED, "talk"), (TOLD, NO_TALK)):
-        others += [says for says, kind in by_kind(folder) if kind != first]
-    rows = [(says, kind) for kind, several in kinds.items() for says in several]
-    rows += [(says, "") for says in others]
-    return told_apart(encoder, rows, ["", *kinds], "talk", TALK_WEIGHT)
-
-
-def train_kinds(
-    encoder: Encoder, folder: Path, first: str, more: Iterable[str] = ()
-) -> dict[str, object]:
-    """The arrays of the regression that tells the kinds of sentences of all languages of a folder.
-
-    Its file `LANGUAGE.yaml` has sentences by kind. The kind `first` comes first and has `more`.
-    """
-    rows = [*by_kind(folder), *((says, first) for says in more)]
-    kinds = list(dict.fromkeys([first, *(kind for _, kind in rows)]))
-    return told_apart(encoder, rows, kinds, folder.name)
-
-
-def by_kind(folder: Path) -> list[tuple[str, str]]:
-    """Each sentence of the files of a folder, with its kind."""
-    return [
-        (says, kind)
-        for file in sorted(folder.glob("*.yaml"))
-        for kind, several in yaml.safe_load(file.read_text(encoding="utf-8")).items()
-        for says in several
-    ]
-
-
-def told_apart(
-    encoder: Encoder,
-    rows: list[tuple[str, str]],
-    kinds: list[str],
-    name: str,
-    heavier: float = 1.0,
-) -> dict[str, object]:
-    """The arrays of a multinomial regression, named so, that tells the kinds of sentences.
-
-    All kinds but the first are `heavier`.
-    """
-    raw = np.array([encoder.features(says) for says, _ in rows], np.float64)
-    mean, spread = raw.mean(0), raw.std(0) + 1e-6
-    wanted = np.array([[one == kind for kind in kinds] for _, one in rows], float)
-    weights, biases = multinomial((raw - mean) / spread, wanted, heavier)
-    return {
-        f"{name}_kinds": np.array(kinds),
-        f"{name}_weights": (weights / spread).astype(np.float32),
-        f"{name}_biases": biases - (weights * mean / spread).sum(axis=1),
-    }
-
-
-def multinomial(values: Floats, wanted: Floats, heavier: float = 1.0) -> tuple[Floats, Floats]:
-    """Weights and biases of a multinomial regression; all classes but the first are `heavier`."""
-    size, count = values.shape[1], wanted.shape[1]
-    mass = np.where(wanted[:, 0] > 0, 1.0, heavier)
-
-    def loss(found: Floats) -> tuple[float, Floats]:
-        weights, biases = found[: count * size].reshape(count, size), found[count * size :]
-        logits = values @ weights.T + biases
-        likely = np.exp(logits - logits.max(axis=1, keepdims=True))
-        likely /= likely.sum(axis=1, keepdims=True)
-        missed = -float(mass @ np.log((likely * wanted).sum(axis=1) + 1e-12))
-        slope = (likely - wanted) * mass[:, None]
-        slopes = np.r_[(slope.T @ values + ORDER_PENALTY * weights).ravel(), slope.sum(axis=0)]
-        return missed + ORDER_PENALTY / 2 * float((weights**2).sum()), slopes
-
-    found = minimize(
-        loss, np.zeros(count * (size + 1)), jac=True, method="L-BFGS-B", options={"maxiter": 150}
-    ).x
-    return found[: count * size].reshape(count, size), found[count * size :]
 
 
 def report(cases: list[Case], likely: Floats, right: Floats) -> None:
@@ -295,17 +184,9 @@ def hash_of(text: str) -> int:
 
 def main() -> int:
     """Train, say how well it tells what it was not trained with, and write the file."""
-    talk = sys.argv[1:] == ["--talk"]
-    place = Path(sys.argv[1]) if len(sys.argv) > 1 and not talk else HEAD
     encoder = Encoder(locate(ENCODER))
-    arrays = dict(np.load(HEAD)) if talk else train(encoder, show=True)
-    arrays |= train_general(encoder) | train_small_talk(encoder)
-    arrays |= train_kinds(encoder, ASKED, "talk") | train_kinds(encoder, TOLD, NO_TALK)
-    orders = [one.says for one in [*tuning(), *read_corpus(CASES)] if one.is_command]
-    arrays |= train_kinds(encoder, MEANT, NOW, orders)
-    with place.open("wb") as file:
-        np.savez(file, **arrays)  # type: ignore[arg-type]
-    print(f"{place}: {place.stat().st_size} bytes")
+    arrays = train(encoder, show=True) | train_general(encoder)
+    write_head(arrays, *map(Path, sys.argv[1:]))
     return 0
 
 

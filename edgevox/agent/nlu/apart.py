@@ -16,6 +16,8 @@ from edgevox.agent.nlu.decider import (
     LIKELY_TALK,
     NOT_NOW,
     PERHAPS_NOT_NOW,
+    PLAINLY_DENIED,
+    PLAINLY_TALK,
     TALK,
     Decider,
 )
@@ -23,7 +25,6 @@ from edgevox.agent.nlu.evidence import QUESTION_MARKS
 from edgevox.agent.nlu.judging import Readings
 from edgevox.agent.nlu.lexicon import Lexicon, plain, words_of
 from edgevox.agent.nlu.meaning import BACK, IT, RESUME, THE_OTHER
-from edgevox.agent.nlu.questions import is_about_hearer
 from edgevox.agent.skills import Call
 from edgevox.agent.stop.words import find_stop_word
 from edgevox.core.languages import LANGUAGES
@@ -36,6 +37,8 @@ GUESSES: Mapping[str, tuple[str, ...]] = {
     "left": ("turn_left",),
     "right": ("turn_right",),
     "around": ("turn_around",),
+    "towards": ("turn_towards",),
+    "forget": ("forget_place",),
     "stand": ("stand",),
     "grasp": ("grasp",),
     "put": ("place",),
@@ -60,8 +63,8 @@ REFERRED: Mapping[str, str] = {
 
 _GUESSED = frozenset(name for names in GUESSES.values() for name in names)
 
-OTHER = "other"
-"""Kind of an order that is none of these."""
+OTHER, FORGET = "other", "forget"
+"""Kind of an order that is none of these, and of the one that is no motion."""
 
 LIKELY_ASKED, LIKELY_ALONE = 0.6, 0.8
 """Least likelihood of what a clause asks for, and of that without an amount or a place."""
@@ -69,8 +72,13 @@ LIKELY_ASKED, LIKELY_ALONE = 0.6, 0.8
 LIKELY_REFERRED = 0.6
 """Least likelihood of words that refer to a motion before."""
 
-PLAINLY_ASKED = 0.9
-"""Least likelihood from which the encoder counts without known words."""
+PLAINLY_ASKED, SURELY_ASKED = 0.9, 0.95
+"""Least likelihoods from which the encoder counts without known words, and from which it makes a
+reading sure.
+"""
+
+PLAINLY_NOW = 0.9
+"""Least likelihood of an order for now from which one in free words is done at once."""
 
 LIKELY_MORE = 0.7
 """Least likelihood of an order beside those that were read."""
@@ -80,6 +88,7 @@ _MARKS = re.compile(
     r"|[\u3001\u3002\uff01\uff0c\uff1f]|\s[-\u2013\u2014]+\s"
     r"|(?<=[\u3040-\u9fff])[,;:.!?]+(?=[\u3040-\u9fff])"
 )
+_COLON = re.compile(r"[:\uff1a](?!\d)")
 MOST_CLAUSES = 6
 """Number of clauses that a text is taken apart into."""
 
@@ -101,7 +110,7 @@ class Clause:
 def asks_for_motion(text: str, decider: Decider) -> bool:
     """True if a text most likely asks for a motion."""
     kind, likely = decider.asked(text)
-    return kind in GUESSES and likely >= LIKELY_ASKED
+    return kind in GUESSES and kind != FORGET and likely >= LIKELY_ASKED
 
 
 class Rest(Enum):
@@ -143,7 +152,7 @@ class ClauseReader:
     def apart(self, text: str) -> Clause | None:
         """The calls of a text's clauses, one after another; None if one is no order or remark.
 
-        Of several none may be a guess, unless plainly asked for with a value. They are sure if
+        Of several none may be a guess, unless plainly asked for. They are sure if
         templates read all of them, no remark is left out, each but the last says its amount or
         place, and none is that before once more: "forward, back one metre" and "two metres, three
         metres" may take the first one back. Else all of them may mean one call: "come along, we are
@@ -210,6 +219,52 @@ class ClauseReader:
         first, last = clauses[kept[0]], clauses[kept[-1]]
         return text[text.index(first) : text.rindex(last) + len(last)]
 
+    def is_plain(self, text: str, calls: Sequence[Call]) -> bool:
+        """True if a text plainly orders these calls now, beside remarks at most.
+
+        Templates or a sure reading say the same of each order's clause; of a text that is one
+        clause, a reading without a doubt and the encoder. Words before a colon may say how what
+        follows is meant: "I'm talking to the dog: turn around".
+        """
+        if _COLON.search(text) or self._decider.for_now(text) < PLAINLY_NOW:
+            return False
+        parted = [self._clauses(text, more) for more in ((), self._results, self._joining)]
+        if len(parted[-1]) == 1:
+            return self._agrees(text, calls)
+        return any(1 < len(one) <= MOST_CLAUSES and self._are_plain(one, calls) for one in parted)
+
+    def _agrees(self, text: str, calls: Sequence[Call]) -> bool:
+        """True if the encoder surely takes a text for the one motion by an amount that it reads."""
+        kind, likely = self._decider.asked(text)
+        said = likely >= SURELY_ASKED and [one.skill in GUESSES.get(kind, ()) for one in calls]
+        if said != [True] or not all(isinstance(o, float) for o in calls[0].arguments.values()):
+            return False
+        decision = self._decider.decide(self._readings.of(text), text)
+        read = decision is not None and not decision.doubtful and decision.calls == tuple(calls)
+        return read and bool(calls[0].arguments)
+
+    def _are_plain(self, clauses: Sequence[str], calls: Sequence[Call]) -> bool:
+        left = list(calls)
+        for one in clauses:
+            if left and self._plainly_orders(one, left[0]):
+                left.pop(0)
+            elif self._decider.for_others(one) or not self._is_plain_remark(
+                one, opens=len(left) == len(calls)
+            ):
+                return False
+        return not left
+
+    def _plainly_orders(self, clause: str, call: Call) -> bool:
+        kind, likely = self._decider.asked(clause)
+        if call.skill not in GUESSES.get(kind, ()) or likely < PLAINLY_ASKED:
+            return False
+        if self._decider.for_now(clause) < PLAINLY_NOW:
+            return False
+        if plain := self._plain(clause):
+            return plain.sure and plain.calls == (call,)
+        decision = self._decider.decide(self._readings.of(clause), clause)
+        return decision is not None and decision.sure and decision.calls == (call,)
+
     def _is_plain_remark(self, clause: str, *, opens: bool = True) -> bool:
         """True for plain talk that denies, names, counts, conditions and reports nothing."""
         kind, likely = self._decider.asked(clause)
@@ -269,16 +324,15 @@ class ClauseReader:
         decision = self._decider.decide(self._readings.of(clause), clause)
         if decision and decision.sure:
             return Clause(decision.calls, sure=False)
-        if self._decider.for_now(clause) < NOT_NOW:
-            return None
         kind, likely = self._decider.asked(clause)
+        if kind != FORGET and self._decider.for_now(clause) < NOT_NOW:
+            return None
         small = likely < LIKELY_ALONE and self._readings.is_filler(clause)
         small = small or self._readings.is_amount(clause)
         asked = likely >= LIKELY_ASKED and not small
         call = self._whole(clause, kind, plainly=likely >= PLAINLY_ASKED) if asked else None
         if call and (call.arguments or likely >= LIKELY_ALONE):
-            told = bool(call.arguments) and likely >= PLAINLY_ASKED
-            return Clause((call,), sure=False, guessed=not told)
+            return Clause((call,), sure=False, guessed=likely < LIKELY_ALONE)
         return Clause(decision.calls, sure=False, guessed=True) if decision else None
 
     def _as_one(self, text: str, clauses: Sequence[str]) -> Clause | None:
@@ -286,7 +340,7 @@ class ClauseReader:
         kind, likely = self._decider.asked(text)
         if likely < LIKELY_ALONE or len(clauses) > MOST_CLAUSES:
             return None
-        if self._decider.for_now(text) < PERHAPS_NOT_NOW:
+        if kind != FORGET and self._decider.for_now(text) < PERHAPS_NOT_NOW:
             return None
         for clause in clauses:
             other, sure = self._decider.asked(clause)
@@ -336,9 +390,8 @@ class ClauseReader:
             return False
         kind, likely = self._decider.asked(clause)
         talks = kind == TALK and likely >= least
-        plainly = talks and not least and likely >= PLAINLY_ASKED
-        plainly = plainly and not is_about_hearer(clause, self._code)
-        plainly = plainly and self._decider.denied(clause) < LIKELY_DENIED
+        plainly = talks and not least and likely >= PLAINLY_TALK
+        plainly = plainly and self._decider.denied(clause) < PLAINLY_DENIED
         small = self._readings.is_reason(clause) or self._readings.is_urge(clause)
         if kind in GUESSES and likely >= LIKELY_MORE and not small:
             return False

@@ -5,7 +5,8 @@
 
 from dataclasses import dataclass
 
-from edgevox.agent.nlu.encoder import Floats, Head, SentenceReader
+from edgevox.agent.nlu.encoder import Floats, SentenceReader
+from edgevox.agent.nlu.head import Head
 from edgevox.agent.nlu.judging import Judged
 from edgevox.agent.nlu.meaning import ASK_FROM, SURE_FROM
 from edgevox.agent.skills import Call
@@ -17,8 +18,10 @@ NOT_NOW, PERHAPS_NOT_NOW, LIKELY_NOW = 0.05, 0.3, 0.5
 """Likelihoods of an order for now below which it is neither done nor asked about, below which what
 hardly says a motion is none, and from which on it may be done at once."""
 
-NOW, LEAVES, DENIED = "now", "leave", "denied"
-"""The kinds of words for now, of those that want the robot out of a place, and of denials."""
+NOW, LEAVES, DENIED, OTHERS = "now", "leave", "denied", "others"
+"""The kinds of words for now, of those that want the robot out of a place, of denials, and of what
+is said to somebody else.
+"""
 
 TALK = "talk"
 """The kind of words that ask for nothing."""
@@ -32,8 +35,8 @@ PUT_OFF = ("condition", "later", "taken_back")
 LIKELY_PUT_OFF = 0.5
 """Least likelihood of such words beside an order."""
 
-LIKELY_LEFT = 0.5
-"""Least likelihood of words that want the robot out of a place."""
+LIKELY_LEFT, LIKELY_OTHERS = 0.5, 0.3
+"""Least likelihood of words that want the robot out of a place, and of those to somebody else."""
 
 LIKELY_DENIED, PLAINLY_DENIED = 0.7, 0.9
 """Least likelihood of a denial of a motion, and of one that names none."""
@@ -50,6 +53,8 @@ class Decision:
     """The calls."""
     confidence: float
     """Confidence that they are meant, at least `ASK_FROM`."""
+    doubtful: bool = False
+    """True if they must be asked about, however likely they are."""
 
     @property
     def sure(self) -> bool:
@@ -75,9 +80,11 @@ class Decider:
         if now < NOT_NOW:
             return None
         talks = bool(judged.evidence["moves"]) and order < 0 and self._is_talk(text)
-        if _is_doubtful(judged, order) or now < LIKELY_NOW or talks:
+        if doubtful := _is_doubtful(judged, order) or now < LIKELY_NOW or talks:
             confidence = min(confidence, _DOUBTFUL)
-        return Decision(judged.reading.calls, confidence) if confidence >= ASK_FROM else None
+        if confidence < ASK_FROM:
+            return None
+        return Decision(judged.reading.calls, confidence, doubtful)
 
     def _is_talk(self, text: str) -> bool:
         kind, likely = self.asked(text)
@@ -105,6 +112,10 @@ class Decider:
         """True if a clause most likely puts off what is ordered beside it, or takes it back."""
         features = self._features(text)
         return sum(self._head.meant.likelihood(o, features) for o in PUT_OFF) >= LIKELY_PUT_OFF
+
+    def for_others(self, text: str) -> bool:
+        """True if words may well be said to, or of, somebody else who is to move."""
+        return self._head.meant.likelihood(OTHERS, self._features(text)) >= LIKELY_OTHERS
 
     def denied(self, text: str) -> float:
         """Likelihood of words about a motion not to want it."""

@@ -1,8 +1,10 @@
-"""The sentence encoder, a small multilingual network in numpy, and the head that judges by it.
+"""The sentence encoder, a small multilingual network in numpy.
 
 The network is multilingual-e5-small, a BERT; `Packed` reads its weights. Its last layers tell
 what a text is about. How a text is meant (asked, told, wished, denied) is clearest some layers
-before, so the last layers are left out. A sentence takes about ten milliseconds on one core.
+before, so the last layers are left out. The layers above the first few have learnt, with an adapter
+(LoRA), what a robot is asked to do and to tell, and how that is meant:
+`training/decision/adapter.py`. A sentence takes about ten milliseconds on one core.
 
 The arithmetic is our own, because no runtime reads the packed file of the weights, of which only
 the parts that a sentence needs are ever in memory.
@@ -10,8 +12,6 @@ the parts that a sentence needs are ever in memory.
 `Pieces` is its tokenizer, which finds the likeliest pieces of a sentence by a unigram model. It is
 our own, because the vocabulary is inside the packed file, and the libraries for such vocabularies
 read only files of their own formats.
-
-`Head` is the trained head that gives a reading its confidence by the features of its sentence.
 """
 
 import math
@@ -26,7 +26,6 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from edgevox.agent.nlu.meaning import ASK_FROM, SURE_FROM
 from edgevox.core.errors import InvalidValue
 
 Floats = NDArray[np.float32]
@@ -284,10 +283,17 @@ class _Layer:
 
 
 class Encoder:
-    """The network with the weights of one file. Used from one thread."""
+    """The network with the weights of one file. Used from one thread.
 
-    def __init__(self, path: Path) -> None:
+    Args:
+        path: The file.
+        adapter: Two matrices for some arrays, by the array's name and `UP` or `DOWN`, whose product
+            is added to it. None for those that this package brings.
+    """
+
+    def __init__(self, path: Path, adapter: Mapping[str, Floats] | None = None) -> None:
         self._packed = Packed(path)
+        self._adapter = read_adapter() if adapter is None else adapter
         self._pieces = Pieces(self._packed.vocabulary)
         self._positions = self._packed.floats("emb.pos").reshape(-1, self._packed.sizes.hidden)
         self._type = self._packed.floats("emb.type")[: self._packed.sizes.hidden]
@@ -296,13 +302,18 @@ class Encoder:
 
     def features(self, text: str) -> Floats:
         """The means of the last used layer, then the largest values of the layer before it."""
+        values = self.tokens(text, LAYERS - 1)
+        means = self._layers[-1](values, self._packed.sizes.heads).mean(0)
+        return np.concatenate([means, values.max(0)])
+
+    def tokens(self, text: str, layers: int) -> Floats:
+        """The values of each token behind this number of layers, shape (tokens, hidden)."""
         numbers = self._pieces.ids(_PREFIX + text)[: self._packed.sizes.tokens]
         words = self._packed.rows(np.array(numbers))
         values = self._opened(words + self._positions[: len(numbers)] + self._type)
-        for layer in self._layers[:-1]:
+        for layer in self._layers[:layers]:
             values = layer(values, self._packed.sizes.heads)
-        means = self._layers[-1](values, self._packed.sizes.heads).mean(0)
-        return np.concatenate([means, values.max(0)])
+        return values
 
     def _layer(self, number: int) -> _Layer:
         hidden, inner = self._packed.sizes.hidden, self._packed.sizes.inner
@@ -323,7 +334,10 @@ class Encoder:
         return _Affine.of(*self._rows(name, columns))
 
     def _rows(self, name: str, columns: int) -> tuple[Floats, Floats]:
-        return self._packed.matrix(f"{name}.w", columns), self._packed.floats(f"{name}.b")
+        weights = self._packed.matrix(f"{name}.w", columns)
+        if (up := self._adapter.get(f"{name}{UP}")) is not None:
+            weights += up @ self._adapter[f"{name}{DOWN}"]
+        return weights, self._packed.floats(f"{name}.b")
 
     def _norm(self, name: str) -> _Norm:
         weights, bias = self._packed.floats(f"{name}.w"), self._packed.floats(f"{name}.b")
@@ -353,121 +367,21 @@ def _gelu(values: Floats) -> Floats:
 
 
 HEAD_FILE = "head.npz"
-"""Name of the head's file, made by `training/decision/train.py`."""
+"""Name of the file of the adapter and the head, made by `training/decision`."""
+UP, DOWN = ".up", ".down"
+"""Suffixes, after an array's name, of the two matrices whose product the adapter adds to it."""
 
 
-@dataclass(frozen=True, slots=True)
-class KindHead:
-    """A multinomial regression on the encoder's features that tells kinds of sentences apart."""
-
-    kinds: tuple[str, ...]
-    """The kinds."""
-    weights: Floats
-    """Weights of the encoder's features, shape (kinds, size)."""
-    biases: Floats
-    """Biases, shape (kinds,)."""
-
-    def likelihoods(self, features: Floats) -> Floats:
-        """The likelihood of each kind."""
-        logits = self.weights @ features + self.biases
-        likely = np.exp(logits - logits.max())
-        return np.asarray(likely / likely.sum(), np.float32)
-
-    def likelihood(self, kind: str, features: Floats) -> float:
-        """The likelihood of one kind."""
-        return float(self.likelihoods(features)[self.kinds.index(kind)])
-
-    def likeliest(self, features: Floats, first: int = 0) -> tuple[str, float]:
-        """The likeliest kind from the one at this index on, and how likely it is."""
-        likely = self.likelihoods(features)
-        best = first + int(likely[first:].argmax())
-        return self.kinds[best], float(likely[best])
+def read_adapter() -> Mapping[str, Floats]:
+    """The adapter that this package brings."""
+    return {
+        name: np.asarray(one, np.float32)
+        for name, one in brought().items()
+        if name.endswith((UP, DOWN))
+    }
 
 
-@dataclass(frozen=True, slots=True)
-class Head:
-    """Logistic regressions.
-
-    One tells orders from other sentences, one judges a reading, and one tells questions about the
-    world in general from those about what is here and now, the speaker and the robot. Three more
-    tell kinds of small talk, what a sentence asks a robot to do, and what to tell; a last one tells
-    orders for now from conditions, reports and the like.
-    """
-
-    order_weights: Floats
-    """Weights of the encoder's features, shape (size,)."""
-    order_bias: float
-    """Bias of the first regression."""
-    names: tuple[str, ...]
-    """Names of the evidence, in the order of `weights`."""
-    weights: Floats
-    """Weights of the evidence, and last that of the first regression's logit."""
-    bias: float
-    """Bias of the second regression."""
-    ask: float
-    """Likelihood from which on to ask."""
-    sure: float
-    """Likelihood from which on to act."""
-    general_weights: Floats
-    """Weights of the encoder's features in the third regression, shape (size,)."""
-    general_bias: float
-    """Bias of the third regression."""
-    talk: KindHead
-    """Tells kinds of small talk: the keys of `training/decision/small_talk.yaml`."""
-    asked: KindHead
-    """Tells what a robot is asked to do: the keys of `training/decision/asked/*.yaml`."""
-    told: KindHead
-    """Tells what a robot is asked to tell: the keys of `training/decision/told/*.yaml`."""
-    meant: KindHead
-    """Tells how words about a motion are meant: the keys of `training/decision/meant/*.yaml`."""
-
-    def order(self, features: Floats) -> float:
-        """Logit of a sentence to be an order to the hearer."""
-        return float(features @ self.order_weights + self.order_bias)
-
-    def general(self, features: Floats) -> float:
-        """Logit of a sentence to be answered by general knowledge."""
-        return float(features @ self.general_weights + self.general_bias)
-
-    def likelihood(self, order: float, evidence: Mapping[str, float]) -> float:
-        """Likelihood of a reading to be meant, from 0 to 1."""
-        values = np.array([*(float(evidence[name]) for name in self.names), order])
-        return float(1 / (1 + np.exp(-(values @ self.weights + self.bias))))
-
-    def confidence(self, likelihood: float) -> float:
-        """The likelihood on the scale on which `ASK_FROM` asks and `SURE_FROM` acts."""
-        known = (0.0, self.ask, self.sure, 1.0)
-        return float(np.interp(likelihood, known, (0.0, ASK_FROM, SURE_FROM, 1.0)))
-
-
-def read_head() -> Head:
-    """The head that this package brings."""
+def brought() -> dict[str, Any]:
+    """The arrays of the adapter and of the head that this package brings."""
     with np.load(BytesIO(files(__package__).joinpath(HEAD_FILE).read_bytes())) as data:
-        return head_of(data)
-
-
-def head_of(data: Mapping[str, Any]) -> Head:
-    """A head from the arrays of its file."""
-    return Head(
-        order_weights=np.asarray(data["order_weights"], np.float32),
-        order_bias=float(data["order_bias"]),
-        names=tuple(str(name) for name in data["names"]),
-        weights=np.asarray(data["weights"], np.float32),
-        bias=float(data["bias"]),
-        ask=float(data["ask"]),
-        sure=float(data["sure"]),
-        general_weights=np.asarray(data["general_weights"], np.float32),
-        general_bias=float(data["general_bias"]),
-        talk=_kind_head(data, "talk"),
-        asked=_kind_head(data, "asked"),
-        told=_kind_head(data, "told"),
-        meant=_kind_head(data, "meant"),
-    )
-
-
-def _kind_head(data: Mapping[str, Any], name: str) -> KindHead:
-    return KindHead(
-        tuple(map(str, data[f"{name}_kinds"])),
-        np.asarray(data[f"{name}_weights"], np.float32),
-        np.asarray(data[f"{name}_biases"], np.float32),
-    )
+        return dict(data)

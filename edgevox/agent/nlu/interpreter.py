@@ -13,11 +13,13 @@ from edgevox.agent.known import StateCondition
 from edgevox.agent.llm.language_model import ChatMessage, LanguageModel
 from edgevox.agent.nlu.abilities import abilities, cannot_do, not_understood
 from edgevox.agent.nlu.apart import (
+    FORGET,
     GUESSES,
     LIKELY_ALONE,
     LIKELY_REFERRED,
     MOST_CLAUSES,
     PLAINLY_ASKED,
+    PLAINLY_NOW,
     REFERRED,
     Clause,
     ClauseReader,
@@ -174,6 +176,7 @@ class Interpreter:
             return self._taken(near, turn)
         meaning = self._judged(text, turn, refused=plain is not None)
         meaning = self._rather(meaning, asked, text, program) if meaning else None
+        meaning = self._surely(meaning, text) if meaning else None
         if meaning and (meaning.sure or not near) and not (program and _drives(meaning)):
             return self._taken(meaning, turn)
         if meaning and isinstance(program, Unclear):  # not for now, so not done
@@ -186,7 +189,7 @@ class Interpreter:
         beside = None if program else self._apart(text)
         beside = beside or (None if program or plain else self._referred(text))
         if beside:
-            return self._taken(beside, turn)
+            return self._taken(self._surely(beside, text), turn)
         refused = program if isinstance(program, RefusedCommand) else plain
         if refused:
             turn.say(refused.reason, Outcome.REFUSED, detail=refused.detail)
@@ -267,7 +270,7 @@ class Interpreter:
         meaning = Meaning(self.active, found.calls, "reading", 1.0 if found.sure else ASK_FROM)
         if _refers_behind(meaning):
             return None
-        return meaning if _drives(meaning) or _refers(meaning) else None
+        return meaning if _acts(meaning) or _refers(meaning) else None
 
     def _referred(self, text: str, least: float = LIKELY_REFERRED) -> Meaning | None:
         """What a text most likely refers to that was done before: "one more time, please".
@@ -285,11 +288,22 @@ class Interpreter:
         against = readings.objections(text)
         if REFERRED[kind] == THE_OTHER:  # "no, the other one"
             against -= {*self.phrases.answers.no}
-        if against or self._decider.for_now(text) < PERHAPS_NOT_NOW:
+        now = self._decider.for_now(text)
+        plainly = likely >= PLAINLY_ASKED and now >= PLAINLY_NOW and not readings.says_little(text)
+        if (against and not plainly) or now < PERHAPS_NOT_NOW:
             return None
         if self._world().named_in(text) or readings.has_amount(text):
             return None
         return Meaning(self.active, (Call(REFERRED[kind]),), "reading", ASK_FROM)
+
+    def _surely(self, meaning: Meaning, text: str) -> Meaning:
+        """The meaning, done at once if the words plainly order it now."""
+        drives = not meaning.sure and _drives(meaning)
+        clauses = self._clause_reader(meaning.agent) if drives else None
+        if clauses is None or may_ask_whether(meaning.calls, text, self._code):
+            return meaning
+        plain = clauses.is_plain(text, meaning.calls)
+        return replace(meaning, confidence=1.0) if plain else meaning
 
     def _rather(self, meaning: Meaning, asked: Meaning | None, text: str, program: Read) -> Meaning:
         """A judged meaning, or what the words rather ask or refer to: "again, but the other way".
@@ -464,7 +478,8 @@ class Interpreter:
             if one.name in names
         )
         remark = not opens and kind == TALK and not self._decider.is_order(clause)
-        return (moves and likely >= LIKELY_ALONE) or (remark and likely >= PLAINLY_ASKED)
+        plainly = (remark or kind == FORGET) and likely >= PLAINLY_ASKED
+        return plainly or (moves and likely >= LIKELY_ALONE)
 
     def _without_acts(self, meaning: Meaning | None, text: str, turn: Turn) -> Meaning | None:
         """The reading, asked about if the words ask for something besides that no skill can do.
@@ -529,10 +544,11 @@ class Interpreter:
     def _told(self, text: str) -> Meaning | None:
         """The question to the robot that the encoder is sure of."""
         kind, likely = self._decider.told(text) if self._decider else ("", 0.0)
-        if likely < LIKELY_TOLD or self._orders_beside(text):
+        plainly = likely >= PLAINLY_TOLD
+        if likely < LIKELY_TOLD or self._orders_beside(text, plainly=plainly):
             return None
         for agent in self._active_first():
-            lexicon, plainly = self._questions[agent.name].lexicon, likely >= PLAINLY_TOLD
+            lexicon = self._questions[agent.name].lexicon
             if call := question_about(kind, text, lexicon, plainly=plainly):
                 return Meaning(agent, (call,), "reading", ASK_FROM)
         return None
@@ -548,9 +564,13 @@ class Interpreter:
                 return self._told(text) or Meaning(agent, (call,), "reading", ASK_FROM)
         return None
 
-    def _orders_beside(self, text: str) -> bool:
-        """True if a clause beside a question orders a motion: "go to the kitchen and tell ..."."""
-        if self._decider is None:
+    def _orders_beside(self, text: str, *, plainly: bool = False) -> bool:
+        """True if a clause beside a question orders a motion: "go to the kitchen and tell ...".
+
+        None of what is `plainly` a question does, if the whole asks for no motion: "how far is it
+        from here to the kitchen".
+        """
+        if self._decider is None or (plainly and not asks_for_motion(text, self._decider)):
             return False
         clauses = clauses_of(text, self._code, self.phrases.hearing.joints)
         return 1 < len(clauses) <= MOST_CLAUSES and any(

@@ -224,13 +224,15 @@ class Readings:
 
         A clause that `may_deny` may hold a denial, but no word of a motion then. One that `opens`
         a text has nothing before it to correct: "sorry, ...". One that is `plainly` talk may name
-        and deny ("I was in the kitchen"), and report unless it opens: "Anna said, ...".
+        and deny ("I was in the kitchen"), tell of later ("I leave in a minute"), and report unless
+        it opens: "Anna said, ...".
         """
         self._renew()
         for lexicon, _ in self._readers:
             words, answers = lexicon.function_words, lexicon.book.answers
             reports = () if plainly and not opens else words.reports
-            against = (*words.reversals, *words.put_off, *reports, *words.bounds)
+            others = () if plainly else (*words.put_off, *words.bounds)
+            against = (*words.reversals, *reports, *others)
             tokens = _tokens(text, lexicon)
             conditions = lexicon.as_written(words.conditions).starts(tokens)
             if next(lexicon.as_written(against).find(tokens), None):
@@ -239,7 +241,7 @@ class Readings:
                 return False
             if not opens and lexicon.index(words.corrections).starts(tokens) & {0, 1}:
                 return False
-            if any(map(is_number, tokens)):
+            if any(is_number(one) or one.isnumeric() for one in tokens):  # "二" has no unit
                 return False
             if plainly:
                 continue

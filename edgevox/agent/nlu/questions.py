@@ -28,7 +28,7 @@ _LEAST_TOLD = 4.0, 2.8
 that does."""
 _LEAST_LEAD = 2.0, 1.0
 """Least lead in weight over another question, for either."""
-LIKELY_TOLD, PLAINLY_TOLD = 0.6, 0.95
+LIKELY_TOLD, PLAINLY_TOLD = 0.6, 0.9
 """Least likelihood of a question to the robot, by the encoder alone, and of one in any words."""
 MOST_STRANGE = 0.17, 0.25
 """Largest share of unknown words in either: "how fast is light" is no question to the robot."""
@@ -54,16 +54,16 @@ def question_of(judged: Judged | None, text: str, code: str) -> Call | None:
 def question_about(kind: str, text: str, lexicon: Lexicon, *, plainly: bool = False) -> Call | None:
     """The question of this kind, a skill that tells something, with the names in a text.
 
-    None if a name is missing, or one is no value of it; for one of the speaker alone: "what is my
-    name"; and, unless it is `plainly` of this kind, for a text that asks nothing or has no word of
-    such a question.
+    None if a name is missing, or one is no value of it. Unless it is `plainly` of this kind, also
+    None for one of the speaker alone ("what is my name"), and for a text that asks nothing or has
+    no word of such a question.
     """
     one, code = lexicon.skills.get(kind), lexicon.book.code
     asking = plainly or asks(text, code) or _opens_a_clause(text, words_of(code).talking, code)
     if one is None or not asking:
         return None
     words = words_of(code)
-    if _holds(text, words.me, code) and not _holds(text, words.you, code):
+    if not plainly and _holds(text, words.me, code) and not _holds(text, words.you, code):
         return None
     tokens = lexicon.tokenize(digits(" ".join(text.split()), code))
     names, weights = find_names(lexicon, tokens), lexicon.words[kind].weights

@@ -32,7 +32,8 @@ _UNUSABLE = (EdgeVoxError, MemoryError, OSError, ValueError, LookupError, struct
 
 def open_decider() -> Decider | None:
     """None where the encoder cannot be had: then only what templates know is done."""
-    from edgevox.agent.nlu.encoder import Encoder, read_head
+    from edgevox.agent.nlu.encoder import Encoder
+    from edgevox.agent.nlu.head import read_head
 
     try:
         return Decider(Encoder(locate(ENCODER)), read_head())

@@ -14,7 +14,7 @@ from support.conversation import LETTERS, CertainEncoder
 from benchmarks.hearing.people import barista
 from edgevox.agent.agents import Agent
 from edgevox.agent.nlu.decider import Decider
-from edgevox.agent.nlu.encoder import read_head
+from edgevox.agent.nlu.head import read_head
 from edgevox.agent.nlu.hearing.hypotheses import breaks_off, is_contested
 from edgevox.agent.nlu.hearing.near import NearCommands, NearStop
 from edgevox.agent.nlu.hearing.network import Network, Sentences

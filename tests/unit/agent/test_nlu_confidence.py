@@ -7,7 +7,7 @@ from support.conversation import ORDER, TALK, CertainEncoder, Eloquent
 
 from edgevox.agent.agents import Agent
 from edgevox.agent.nlu.decider import Decider
-from edgevox.agent.nlu.encoder import read_head
+from edgevox.agent.nlu.head import read_head
 from edgevox.agent.nlu.interpreter import Interpreter
 from edgevox.agent.nlu.judging import Readings
 from edgevox.agent.nlu.meaning import ASK_FROM, HEARD_FROM, SURE_FROM, Meaning
