@@ -336,7 +336,9 @@ class Encoder:
     def _rows(self, name: str, columns: int) -> tuple[Floats, Floats]:
         weights = self._packed.matrix(f"{name}.w", columns)
         if (up := self._adapter.get(f"{name}{UP}")) is not None:
-            weights += up @ self._adapter[f"{name}{DOWN}"]
+            # By einsum: it leaves the linear algebra library alone, which ends the process if it
+            # gets no memory for its threads.
+            weights += np.einsum("ij,jk->ik", up, self._adapter[f"{name}{DOWN}"])
         return weights, self._packed.floats(f"{name}.b")
 
     def _norm(self, name: str) -> _Norm:
