@@ -26,6 +26,7 @@ HALVES = {
     "attacks": "attacks, most in English",
     "held": "conditions and the like, in fifteen languages",
     "apart": "both, in sixteen languages, kept apart",
+    "fresh": "both, in sixteen languages, by two more writers",
 }
 DIALOGUES = "Dialogues with a robot that moves"
 _BETWEEN_S = 0.3
