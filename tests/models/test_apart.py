@@ -84,6 +84,14 @@ def test_a_plain_order_beside_a_plain_remark_is_done(robot, says, call):
         ("apartment", "I'm talking to the dog: turn around!"),
         ("apartment", "drive forward a metre, that's what I told the other robot"),
         ("apartment", "the lab is closed, so go to the office if they let you in"),
+        ("apartment", "Go to the kitchen? Good idea."),
+        ("apartment", "Let me finish my tea, then go to the kitchen"),
+        ("apartment", "The dishwasher is running, when that's done go to the kitchen"),
+        ("apartment", "Go to the kitchen and hop like a bunny, the guests are waiting"),
+        ("apartment", "Turn around, Bartek, I'll zip you up"),
+        ("humanoid", "Turn left, turn right 90 degrees."),
+        ("humanoid", "Walk two metres, silly me, walk three metres."),
+        ("humanoid", '"Turn around", the sign on the door.'),
     ],
 )
 def test_a_plain_order_beside_what_changes_it_is_not(robot, says):

@@ -97,7 +97,10 @@ def scores(values: Floats, found: Floats) -> Floats:
 
 
 def train(encoder: Encoder, show: bool = False) -> dict[str, object]:
-    """The arrays of the head's file."""
+    """The arrays of the regressions that tell orders and judge readings.
+
+    The encoder's adapter has learnt from most of these sentences: what `show` prints is optimistic.
+    """
     several, more = sentences(), more_sentences()
     texts = [one.says for one in several] + [says for says, _ in more]
     orders = np.array([one.is_command for one in several] + [order for _, order in more], float)

@@ -88,7 +88,8 @@ _MARKS = re.compile(
     r"|[\u3001\u3002\uff01\uff0c\uff1f]|\s[-\u2013\u2014]+\s"
     r"|(?<=[\u3040-\u9fff])[,;:.!?]+(?=[\u3040-\u9fff])"
 )
-_COLON = re.compile(r"[:\uff1a](?!\d)")
+_MEANT_OTHERWISE = re.compile(r"[:\uff1a](?!\d)|[\"\u201c\u201d\u201e\u00ab\u00bb\u300c\u300d]")
+"""Colons and quotation marks: words beside them may say how the rest is meant."""
 MOST_CLAUSES = 6
 """Number of clauses that a text is taken apart into."""
 
@@ -183,9 +184,10 @@ class ClauseReader:
         skills = {one.skill for one in calls}
         parts = [self._is_part(one, skills) for one in clauses]
         for at, clause in enumerate(clauses):
-            ends = any(parts[:at]) and find_stop_word(self._code, clause)
-            remark = parts[at] or self._is_remark(clause, opens=not any(parts[:at]))
-            if ends or not remark:
+            first = not any(parts[:at])
+            ends = not first and find_stop_word(self._code, clause)
+            remark = parts[at] or self._is_remark(clause, opens=first)
+            if ends or not remark or (at and first and self._waits(clause)):
                 return Rest.UNCLEAR
         return Rest.NOTHING
 
@@ -223,36 +225,50 @@ class ClauseReader:
         """True if a text plainly orders these calls now, beside remarks at most.
 
         Templates or a sure reading say the same of each order's clause; of a text that is one
-        clause, a reading without a doubt and the encoder. Words before a colon may say how what
-        follows is meant: "I'm talking to the dog: turn around".
+        clause, a reading without a doubt and the encoder. What asks, reports, names another person,
+        quotes, or asks for what no skill does is not plain, nor is what stands behind a colon:
+        "I'm talking to the dog: turn around".
         """
-        if _COLON.search(text) or self._decider.for_now(text) < PLAINLY_NOW:
+        against = (
+            _MEANT_OTHERWISE.search(text)
+            or _may_replace(calls)
+            or self._decider.for_now(text) < PLAINLY_NOW
+            or self._readings.objects(text)
+            or self._cannot(text)
+            or self._readings.unknown_place(text)
+        )
+        parted = clauses_of(text, self._code, self._joining)
+        if against or len(parted) > MOST_CLAUSES:
             return False
-        parted = [self._clauses(text, more) for more in ((), self._results, self._joining)]
-        if len(parted[-1]) == 1:
-            return self._agrees(text, calls)
-        return any(1 < len(one) <= MOST_CLAUSES and self._are_plain(one, calls) for one in parted)
+        return self._agrees(text, calls) if len(parted) == 1 else self._are_plain(parted, calls)
 
     def _agrees(self, text: str, calls: Sequence[Call]) -> bool:
         """True if the encoder surely takes a text for the one motion by an amount that it reads."""
         kind, likely = self._decider.asked(text)
-        said = likely >= SURELY_ASKED and [one.skill in GUESSES.get(kind, ()) for one in calls]
-        if said != [True] or not all(isinstance(o, float) for o in calls[0].arguments.values()):
+        if likely < SURELY_ASKED or len(calls) != 1 or not calls[0].arguments:
             return False
+        amounts = all(isinstance(one, float) for one in calls[0].arguments.values())
         decision = self._decider.decide(self._readings.of(text), text)
         read = decision is not None and not decision.doubtful and decision.calls == tuple(calls)
-        return read and bool(calls[0].arguments)
+        return amounts and read and self._whole(text, kind) == calls[0]
 
     def _are_plain(self, clauses: Sequence[str], calls: Sequence[Call]) -> bool:
         left = list(calls)
-        for one in clauses:
+        for at, joined in enumerate(clauses):
+            first = len(left) == len(calls)
+            if at and first and self._waits(joined):
+                return False
+            one = _unjoined(joined, self._joints, self._code)
             if left and self._plainly_orders(one, left[0]):
                 left.pop(0)
-            elif self._decider.for_others(one) or not self._is_plain_remark(
-                one, opens=len(left) == len(calls)
-            ):
+            elif self._decider.for_others(one) or not self._is_plain_remark(one, opens=first):
                 return False
         return not left
+
+    def _waits(self, clause: str) -> bool:
+        """True if an order may wait for what the remark before it tells: "..., then go"."""
+        joined = _unjoined(clause, self._joints, self._code)
+        return joined != _unjoined(clause, (), self._code)
 
     def _plainly_orders(self, clause: str, call: Call) -> bool:
         kind, likely = self._decider.asked(clause)
@@ -298,10 +314,8 @@ class ClauseReader:
         calls = tuple(call for one in found for call in one.calls)
         if not calls or (len(found) > 1 and any(one.guessed for one in found)):
             return None
-        told = all(call.arguments for call in calls[:-1])
-        again = any(one.skill == other.skill for one, other in pairwise(calls))
-        sure = told and not again and len(found) == len(clauses) and all(one.sure for one in found)
-        return Clause(calls, sure)
+        whole = len(found) == len(clauses) and all(one.sure for one in found)
+        return Clause(calls, sure=whole and not _may_replace(calls))
 
     def _denies(self, clause: str, found: Sequence[Clause]) -> bool:
         """True if a clause only denies another motion than those found: "forward, not back"."""
@@ -446,6 +460,12 @@ class ClauseReader:
         moves = likely >= LIKELY_TALK and (kind in GUESSES or kind in REFERRED)
         moves = moves or self._readings.says_little(clause)
         return self._readings.is_filler(clause) and not (moves and len(clause.split()) > 1)
+
+
+def _may_replace(calls: Sequence[Call]) -> bool:
+    """True if an order may take back the one before: that says no value, or is the same motion."""
+    again = any(one.skill == other.skill for one, other in pairwise(calls))
+    return again or not all(one.arguments for one in calls[:-1])
 
 
 def _go_somewhere(calls: Sequence[Call]) -> bool:

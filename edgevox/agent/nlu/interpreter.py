@@ -300,7 +300,8 @@ class Interpreter:
         """The meaning, done at once if the words plainly order it now."""
         drives = not meaning.sure and _drives(meaning)
         clauses = self._clause_reader(meaning.agent) if drives else None
-        if clauses is None or may_ask_whether(meaning.calls, text, self._code):
+        asked = asks(text, self._code) or may_ask_whether(meaning.calls, text, self._code)
+        if clauses is None or asked:
             return meaning
         plain = clauses.is_plain(text, meaning.calls)
         return replace(meaning, confidence=1.0) if plain else meaning
@@ -461,24 +462,21 @@ class Interpreter:
         )
 
     def _names_no_act(self, clause: str, opens: bool) -> bool:
-        """True if a clause is a command, or most likely asks for a motion that the robot can do.
+        """True if a clause is a command, or most likely asks for a motion that the robot can do, or
+        to forget a place.
 
-        One by an amount, or one that needs none: "open the hand". Also for a remark in which the
-        words of an act stand behind others (not `opens`): "that's when I take my tablets".
+        A motion by an amount, or one that needs none: "open the hand". Also for a remark in which
+        the words of an act stand behind others (not `opens`): "that's when I take my tablets".
         """
         if isinstance(self._plainly(clause), Meaning):  # "take my picture"
             return True
         if self._decider is None:
             return False
         kind, likely = self._decider.asked(clause)
-        names = GUESSES.get(kind, ())
-        moves = any(
-            one.relative or not one.arguments_model.model_fields
-            for one in self._every_skill()
-            if one.name in names
-        )
+        own = [one for one in self._every_skill() if one.name in GUESSES.get(kind, ())]
+        moves = any(one.relative or not one.arguments_model.model_fields for one in own)
         remark = not opens and kind == TALK and not self._decider.is_order(clause)
-        plainly = (remark or kind == FORGET) and likely >= PLAINLY_ASKED
+        plainly = (remark or (kind == FORGET and own)) and likely >= PLAINLY_ASKED
         return plainly or (moves and likely >= LIKELY_ALONE)
 
     def _without_acts(self, meaning: Meaning | None, text: str, turn: Turn) -> Meaning | None:
@@ -567,8 +565,8 @@ class Interpreter:
     def _orders_beside(self, text: str, *, plainly: bool = False) -> bool:
         """True if a clause beside a question orders a motion: "go to the kitchen and tell ...".
 
-        None of what is `plainly` a question does, if the whole asks for no motion: "how far is it
-        from here to the kitchen".
+        False for a text that is `plainly` a question and as a whole asks for no motion: "how far is
+        it from here to the kitchen".
         """
         if self._decider is None or (plainly and not asks_for_motion(text, self._decider)):
             return False

@@ -194,6 +194,11 @@ class Readings:
         }
         return bool(moving) and known.issuperset(said)
 
+    def objects(self, text: str) -> bool:
+        """True if the reading of a text says that it is no order to the robot, or not for now."""
+        judged = self.of(text)
+        return judged is not None and any(judged.evidence[one] for one in _OBJECTIONS)
+
     def objections(self, text: str) -> frozenset[str]:
         """What speaks against doing what these words name; empty if nothing does.
 
