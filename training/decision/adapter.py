@@ -220,12 +220,11 @@ def main() -> int:
         Row(says, name, kinds[name].index(kind)) for name, some in of.items() for says, kind in some
     ]
     training = Training(rows, kinds)
-    apart = [one for one in rows if options.held_out and is_apart(one.says)]
     learnt = [one for one in rows if not (options.held_out and is_apart(one.says))]
     with tempfile.TemporaryDirectory() as folder:
         training.learn(learnt, Path(folder))
-    if apart:
-        training.report(apart)
+    if options.held_out:
+        training.report([one for one in rows if is_apart(one.says)])
     else:
         write_head(dict(training.arrays()))
     return 0

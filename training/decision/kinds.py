@@ -2,7 +2,7 @@
 
 `asked`: what a robot is asked to do, from `asked`. `told`: what it is asked to tell, from `told`.
 `meant`: whether words about a motion want it now, from `meant`. `talk`: kinds of small talk, from
-`small_talk.yaml`. `general`: questions about the world in general, from `questions.yaml`.
+`small_talk.yaml`. Beside them the sentences that `train.py` learns from, and the file of it all.
 """
 
 import hashlib
@@ -109,5 +109,5 @@ def _no_small_talk() -> Iterator[str]:
     yield from [*questions["general"], *questions["state"]]
     yield from (one.says for one in tuning() if not one.category.startswith(TALKS))
     yield from (says for says, _ in more_sentences())
-    for name, first in (("asked", "talk"), ("told", NO_TALK)):
-        yield from (says for says, kind in by_kind(name) if kind != first)
+    for name in ("asked", "told"):
+        yield from (says for says, kind in by_kind(name) if kind != FIRST[name])

@@ -27,7 +27,7 @@ _NARROW = (
 
 
 class Adapted(nn.Module):
-    """An array of Whisper's, as it is, and what is added to it: two matrices of this rank, which
+    """An array of a network, as it is, and what is added to it: two matrices of this rank, which
     may be 0; those that are known, if any are.
     """
 

@@ -8,7 +8,6 @@ import re
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 from enum import Enum
-from functools import cache
 from itertools import pairwise
 
 from edgevox.agent.nlu.decider import (
@@ -21,13 +20,12 @@ from edgevox.agent.nlu.decider import (
     TALK,
     Decider,
 )
-from edgevox.agent.nlu.evidence import QUESTION_MARKS
 from edgevox.agent.nlu.judging import Readings
-from edgevox.agent.nlu.lexicon import Lexicon, plain, words_of
+from edgevox.agent.nlu.lexicon import words_of
 from edgevox.agent.nlu.meaning import BACK, IT, RESUME, THE_OTHER
+from edgevox.agent.nlu.splitting import clauses_of, unjoined
 from edgevox.agent.skills import Call
 from edgevox.agent.stop.words import find_stop_word
-from edgevox.core.languages import LANGUAGES
 
 GUESSES: Mapping[str, tuple[str, ...]] = {
     "place": ("navigate_to",),
@@ -83,11 +81,6 @@ PLAINLY_NOW = 0.9
 LIKELY_MORE = 0.7
 """Least likelihood of an order beside those that were read."""
 
-_MARKS = re.compile(
-    r"[,;:.!?\u2026\u060c\u061b\u061f\u0964]+(?=\s|$)"
-    r"|[\u3001\u3002\uff01\uff0c\uff1f]|\s[-\u2013\u2014]+\s"
-    r"|(?<=[\u3040-\u9fff])[,;:.!?]+(?=[\u3040-\u9fff])"
-)
 _MEANT_OTHERWISE = re.compile(r"[:\uff1a](?!\d)|[\"\u201c\u201d\u201e\u00ab\u00bb\u300c\u300d]")
 """Colons and quotation marks: words beside them may say how the rest is meant."""
 MOST_CLAUSES = 6
@@ -153,11 +146,9 @@ class ClauseReader:
     def apart(self, text: str) -> Clause | None:
         """The calls of a text's clauses, one after another; None if one is no order or remark.
 
-        Of several none may be a guess, unless plainly asked for. They are sure if
-        templates read all of them, no remark is left out, each but the last says its amount or
-        place, and none is that before once more: "forward, back one metre" and "two metres, three
-        metres" may take the first one back. Else all of them may mean one call: "come along, we are
-        in the kitchen".
+        Of several none may be a guess. They are sure if templates read all of them, no remark is
+        left out, and none may replace the one before: "forward, back one metre" and "two metres,
+        three metres". Else all of them may mean one call: "come along, we are in the kitchen".
         """
         parted = [self._clauses(text, more) for more in ((), self._results, self._joining)]
         found = next(filter(None, map(self._in_order, parted)), None)
@@ -258,7 +249,7 @@ class ClauseReader:
             first = len(left) == len(calls)
             if at and first and self._waits(joined):
                 return False
-            one = _unjoined(joined, self._joints, self._code)
+            one = unjoined(joined, self._joints, self._code)
             if left and self._plainly_orders(one, left[0]):
                 left.pop(0)
             elif self._decider.for_others(one) or not self._is_plain_remark(one, opens=first):
@@ -267,8 +258,8 @@ class ClauseReader:
 
     def _waits(self, clause: str) -> bool:
         """True if an order may wait for what the remark before it tells: "..., then go"."""
-        joined = _unjoined(clause, self._joints, self._code)
-        return joined != _unjoined(clause, (), self._code)
+        joined = unjoined(clause, self._joints, self._code)
+        return joined != unjoined(clause, (), self._code)
 
     def _plainly_orders(self, clause: str, call: Call) -> bool:
         kind, likely = self._decider.asked(clause)
@@ -296,7 +287,7 @@ class ClauseReader:
 
     def _clauses(self, text: str, more: tuple[str, ...]) -> Sequence[str]:
         parted = clauses_of(text, self._code, more)
-        return [_unjoined(one, self._joints, self._code) for one in parted]
+        return [unjoined(one, self._joints, self._code) for one in parted]
 
     def _in_order(self, clauses: Sequence[str]) -> Clause | None:
         if not 0 < len(clauses) <= MOST_CLAUSES:
@@ -471,65 +462,3 @@ def _may_replace(calls: Sequence[Call]) -> bool:
 def _go_somewhere(calls: Sequence[Call]) -> bool:
     """True if a call drives to a place."""
     return any(one.skill in GUESSES["place"] for one in calls)
-
-
-def clauses_of(text: str, code: str, more: tuple[str, ...] = ()) -> Sequence[str]:
-    """The clauses of a text: it is parted at marks, before words that open a reason, and `more`."""
-    before = _opening((*words_of(code).reasons, *more), spaced=LANGUAGES[code].spaced)
-    pieces = [part.strip() for one in _MARKS.split(text) for part in before.split(one.strip())]
-    return [one for one in pieces if plain(one).strip()]
-
-
-@cache
-def _opening(words: tuple[str, ...], *, spaced: bool) -> re.Pattern[str]:
-    """What stands before any of these words; nothing does without one.
-
-    In a language without spaces a word of one sign may be a part of another one.
-    """
-    said = [one for one in sorted(words, key=len)[::-1] if spaced or len(one) > 1]
-    either = "|".join(map(re.escape, said)) or "(?!)"
-    ends = r"(?![\w\u0900-\u097f])"
-    opens = rf"\s(?=(?:{either}){ends})" if spaced else rf"(?<=.)(?={either})"
-    return re.compile(opens, re.IGNORECASE)
-
-
-def is_taken_back(text: str, lexicon: Lexicon) -> bool:
-    """True if the text ends in words that take back what is before them: "..., actually no".
-
-    A question mark makes a tag of such words: "ve a la cocina, ¿no?".
-    """
-    words, book = lexicon.function_words, lexicon.book
-    if text.rstrip().endswith(tuple(QUESTION_MARKS)):
-        return False
-    filling = (*words.fillers, *words.urges, *book.hearing.joints)
-    small = lexicon.index((*book.answers.no, *words.corrections, *filling))
-    said = [one for one in _MARKS.split(text) if plain(one).strip()]
-    clauses = [lexicon.tokenize(one) for one in said]
-    meant = [not small.places(one).issuperset(range(len(one))) for one in clauses]
-    if not any(meant):
-        return False
-    if len(said) > 1 and any(meant[:-1]) and find_stop_word(book.code, said[-1]):
-        return True
-    last = clauses[-1]
-    declined = [*lexicon.outside(book.answers.no, filling, last)]
-    if not meant[-1]:
-        return bool(declined)
-    correcting = lexicon.index(words.corrections).places(last)
-    return any(one.stop == len(last) and one.start - 1 in correcting for one in declined)
-
-
-def _unjoined(clause: str, joints: Sequence[str], code: str) -> str:
-    """The clause without the word that joins it to the one before: "then forward", "so go"."""
-    space = " " if LANGUAGES[code].spaced else ""
-    for one in sorted((*joints, *words_of(code).results), key=len)[::-1]:
-        if clause.casefold().startswith(f"{one}{space}") and (space or len(one) > 1):
-            return clause[len(one) :].strip()
-    return clause
-
-
-def without_joint(text: str, joints: Sequence[str], code: str) -> str:
-    """The text without the word that joins it to what follows: "go there and"; "" without one."""
-    space = " " if LANGUAGES[code].spaced else ""
-    bare = text.rstrip(" ,")
-    ends = [one for one in joints if bare.casefold().endswith(f"{space}{one}")]
-    return bare[: -len(max(ends, key=len))].rstrip(" ,") if ends else ""

@@ -376,14 +376,11 @@ UP, DOWN = ".up", ".down"
 
 def read_adapter() -> Mapping[str, Floats]:
     """The adapter that this package brings."""
-    return {
-        name: np.asarray(one, np.float32)
-        for name, one in brought().items()
-        if name.endswith((UP, DOWN))
-    }
+    with packaged() as data:
+        names = [name for name in data if name.endswith((UP, DOWN))]
+        return {name: np.asarray(data[name], np.float32) for name in names}
 
 
-def brought() -> dict[str, Any]:
-    """The arrays of the adapter and of the head that this package brings."""
-    with np.load(BytesIO(files(__package__).joinpath(HEAD_FILE).read_bytes())) as data:
-        return dict(data)
+def packaged() -> Any:
+    """The open file of the adapter and the head that this package brings; reads what is taken."""
+    return np.load(BytesIO(files(__package__).joinpath(HEAD_FILE).read_bytes()))

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from edgevox.agent.nlu.encoder import Floats, brought
+from edgevox.agent.nlu.encoder import Floats, packaged
 from edgevox.agent.nlu.meaning import ASK_FROM, SURE_FROM
 
 
@@ -99,7 +99,8 @@ class Head:
 
 def read_head() -> Head:
     """The head that this package brings."""
-    return head_of(brought())
+    with packaged() as data:
+        return head_of(data)
 
 
 def head_of(data: Mapping[str, Any]) -> Head:

@@ -25,9 +25,6 @@ from edgevox.agent.nlu.apart import (
     ClauseReader,
     Rest,
     asks_for_motion,
-    clauses_of,
-    is_taken_back,
-    without_joint,
 )
 from edgevox.agent.nlu.decider import (
     LIKELY_DENIED,
@@ -68,6 +65,7 @@ from edgevox.agent.nlu.questions import (
 )
 from edgevox.agent.nlu.remainder import may_ask_whether
 from edgevox.agent.nlu.small_talk import CHATS, CHATS_PLAINLY, CHATS_SURELY, reply_to, small_talk_in
+from edgevox.agent.nlu.splitting import clauses_of, is_taken_back, without_joint
 from edgevox.agent.nlu.sums import answer_to_sum
 from edgevox.agent.nlu.templates import Recogniser, RefusedCommand, Understood, refused
 from edgevox.agent.phrases.load import ENGLISH
@@ -275,7 +273,8 @@ class Interpreter:
     def _referred(self, text: str, least: float = LIKELY_REFERRED) -> Meaning | None:
         """What a text most likely refers to that was done before: "one more time, please".
 
-        None for a text with a name or a number, which changes what was done.
+        None for a text with a name or a number, which changes what was done, and for words that
+        deny, tell or put off something, unless they plainly refer.
         """
         if self._decider is None:
             return None

@@ -3,10 +3,11 @@
 import re
 from collections.abc import Iterator, Sequence
 
-from edgevox.agent.nlu.apart import LIKELY_MORE, OTHER, clauses_of
+from edgevox.agent.nlu.apart import LIKELY_MORE, OTHER
 from edgevox.agent.nlu.decider import PLAINLY_TALK, TALK, Decider
 from edgevox.agent.nlu.evidence import QUESTION_MARKS
 from edgevox.agent.nlu.questions import asks
+from edgevox.agent.nlu.splitting import clauses_of
 
 CHATS, CHATS_APART = 0.5, 0.6
 """Least likelihood of small talk, and of that in one of several clauses."""
